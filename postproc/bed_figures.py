@@ -42,7 +42,7 @@ def regions(runs):
 
 
 def forces(runs):
-    """Distribution of contact forces over their mean at the end of the last stage."""
+    """Distribution of contact forces divided by their mean, at the end of the last stage."""
     needs(all(run.chains for run in runs), "the results contain no contact forces")
     figure, panel = plt.subplots(figsize=(7, 5))
     for run, colour in zip(runs, COLOURS):
@@ -52,7 +52,7 @@ def forces(runs):
                    label=f"{run.name}, end of {stage}: {len(chains.force)} contacts, mean "
                          f"{chains.force.mean():.3g} N")
     panel.set_yscale("log")
-    panel.set_xlabel("contact force over mean contact force")
+    panel.set_xlabel("contact force / mean contact force")
     panel.set_ylabel("probability density")
     panel.grid(alpha=0.3)
     panel.legend(fontsize=8)

@@ -198,7 +198,7 @@ std::vector<NamedShape> load_library(const par::Comm& comm, const std::string& f
     const io::File library(comm, file, io::Mode::read);
     const std::int64_t version = library.integer_attribute("/", "version");
     if (library.text_attribute("/", "kind") != "shapes" || version != library_format)
-      throw RunError(fmt::format("its kind must be shapes and its version {}", library_format));
+      throw RunError(fmt::format("its kind must be \"shapes\" and its version {}", library_format));
     const auto letters = library.read_all<std::uint8_t>("shapes/names");
     std::istringstream names(std::string(letters.begin(), letters.end()));
     for (dem::Template& shape : dem::load_templates(library, "shapes")) {

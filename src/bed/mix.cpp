@@ -66,8 +66,8 @@ void Mix::add_scaled(const BedParameters& parameters, Dimension dimension) {
     templates_.push_back(clump_stone(parameters, dimension));
   else if (dimension == Dimension::plane)
     throw InputError(
-        {"bed.stone: these stones are for models in space only; a plane model takes disk, pebbles, "
-         "or clump with spheres in bed.clump"});
+        {"bed.stone: these stones are for three-dimensional models only; a plane model takes disk, "
+         "pebbles, or clump with spheres in bed.clump"});
   else if (parameters.stone != StoneKind::library)
     for (std::int64_t k = 0; k < parameters.shapes; ++k)
       templates_.push_back(polyhedron_stone(parameters, k));

@@ -111,11 +111,11 @@ void Walls::remove() {
 }
 
 void Walls::archive(io::Archive& a) {
-  a("height", height_, {"m", "of the walls; 0: there are none yet"});
+  a("height", height_, {"m", "of the walls; 0: there are no walls yet"});
   a("along", total_.along, {"m", "displacement of floor and lower halves along x"});
   a("up", total_.up, {"m", "displacement of the walls upwards"});
-  a("in_x", total_.in[0], {"m", "displacement of the walls across x inwards"});
-  a("in_y", total_.in[1], {"m", "displacement of the walls across y inwards"});
+  a("in_x", total_.in[0], {"m", "inward displacement of the walls normal to x"});
+  a("in_y", total_.in[1], {"m", "inward displacement of the walls normal to y"});
   a("removed", removed_, {"-", "1: the walls have been removed; else 0"});
   a.part("servo_x", servo_[0]);
   a.part("servo_y", servo_[1]);

@@ -58,7 +58,7 @@ void declare_limits(const LayerParameters& bed, input::Section& s) {
 // As on a sieve report: openings in mm, passing in per cent by mass.
 void declare_grading(LayerParameters& bed, input::Section& s) {
   s.numbers("sieve", bed.sieve, {.unit = "mm", .above = 0, .usually_to = 300},
-            "Sieve openings, increasing: square holes in space, slots in a plane.");
+            "Sieve openings, increasing: square holes; in a plane model slots.");
   s.numbers("passing", bed.passing, {.unit = "%", .at_least = 0, .at_most = 100},
             "Percentage of the mass that passes each sieve, from 0 to 100.");
   s.rule("sieve", bed.sieve.size() >= 2 && increases(bed.sieve),
@@ -83,9 +83,9 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
            "Largest distance between neighbouring disks along the border of a stone (pebbles).");
   s.integer("shapes", bed.shapes, {.at_least = 1, .at_most = 10000},
             "Number of different shapes. Pebbles: each represents the same fraction of the mass; "
-            "in space: each occurs in all sizes.");
+            "three-dimensional stones: each occurs in all sizes.");
   s.number("elongation", bed.elongation, {.above = 0, .at_most = 1},
-           "Elongation: smallest width over largest extent of an outline (pebbles).");
+           "Elongation: smallest width divided by largest extent of an outline (pebbles).");
   s.number("angularity", bed.angularity, {.at_least = 0, .at_most = 1},
            "Angularity (pebbles); 0: corners on an ellipse; 1: corners far from it.");
   s.numbers("clump", bed.clump, {.unit = "m"},
@@ -134,7 +134,8 @@ void LayerParameters::declare(input::Section& s) {
   declare_grading(*this, s);
   declare_limits(*this, s);
   declare_shape(*this, s);
-  s.table("polyhedron", polyhedron, "Irregular stones in space: polyhedra, compound, clump.");
+  s.table("polyhedron", polyhedron,
+          "Irregular three-dimensional stones: polyhedra, compound, clump.");
 }
 
 void NamedLayer::declare(input::Section& s) {
@@ -152,8 +153,9 @@ void BedParameters::declare(input::Section& s) {
   s.rule("y", is_range(y), "must be two increasing numbers");
   fixed.end();
   s.numbers("crest", crest, {.unit = "m"},
-            "Ends of the crest across the track (space). A stage with a `profile` cuts the bed "
-            "level within the crest and with `slope` beyond; none: level everywhere.");
+            "Ends of the crest across the track (space). A stage with a `profile` trims the bed "
+            "horizontally within the crest and to `slope` outside it; none: horizontally "
+            "everywhere.");
   s.number("slope", slope, {.unit = "-", .above = 0, .usually_from = 1, .usually_to = 4},
            "Slope of the sides beyond the crest, horizontal to vertical; below 1 few stones are "
            "stable.");

@@ -105,7 +105,7 @@ void ShapeParameters::declare(input::Section& s) {
            "rigidly joined spheres (disks in a plane model); hull: convex hull of corners; "
            "polyhedron: randomly generated and irregular; compound: such a polyhedron cut into "
            "convex pieces; library: one of a file of shapes; mesh: a closed mesh, in convex "
-           "pieces. All but ball and clump are for models in space only.");
+           "pieces. All but ball and clump are for three-dimensional models only.");
   s.number("radius", radius, {.unit = "m", .above = 0, .usually_from = 1e-5, .usually_to = 1},
            "Radius of the ball.");
   s.numbers("sides", sides, {.unit = "m", .above = 0},

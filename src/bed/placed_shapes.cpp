@@ -20,8 +20,6 @@ namespace trackbed::bed {
 
 namespace {
 
-constexpr int cells = 192;  // columns across a union of spheres
-
 // Mass and inertia are exact for one piece.
 PlacedShape shape_of(const geom::Piece& piece, double sieve) {
   const geom::Solid solid = geom::piece_solid(piece);
@@ -73,7 +71,8 @@ PlacedShape clump(const ShapeParameters& p, Dimension dimension) {
   for (std::size_t k = 0; k + 3 < p.spheres.size(); k += 4)
     spheres.push_back(
         {Vec3(p.spheres[k], plane ? 0 : p.spheres[k + 1], p.spheres[k + 2]), p.spheres[k + 3]});
-  const geom::Solid solid = plane ? geom::union_lamina(spheres) : geom::union_solid(spheres, cells);
+  const geom::Solid solid =
+      plane ? geom::union_lamina(spheres) : geom::union_solid(spheres, union_columns);
   const double sieve = plane ? geom::smallest_slot(spheres) : geom::smallest_hole(spheres);
   return {geom::template_of(balls(spheres), solid, sieve), 1, solid.axes};
 }

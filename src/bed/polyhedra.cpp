@@ -17,8 +17,6 @@ namespace trackbed::bed {
 
 namespace {
 
-constexpr int cells = 192;  // columns across a union of spheres
-
 dem::Template compound(const geom::Piece& whole, int parts) {
   // Slices of the core, each swept by the sphere of the whole: their union is the same stone, so
   // its mass and its sieve size are exact.
@@ -31,7 +29,8 @@ dem::Template compound(const geom::Piece& whole, int parts) {
 // Spheres fill the rounded surface; inside the core alone they would be too small.
 dem::Template filled(const geom::Piece& whole, int spheres) {
   const auto made = geom::clump(geom::surface_of(whole), spheres).spheres;
-  return geom::template_of(balls(made), geom::union_solid(made, cells), geom::smallest_hole(made));
+  return geom::template_of(balls(made), geom::union_solid(made, union_columns),
+                           geom::smallest_hole(made));
 }
 
 // Evenly distributed over the templates, ends included.
@@ -48,24 +47,24 @@ void PolyhedronParameters::declare(input::Section& s) {
             "Number n of corners of a stone, which has 2 n - 4 triangular faces.");
   constexpr double most = 0.995;  // the largest value that stretching of many corners attains
   s.number("elongation", elongation, {.above = 0, .at_most = most},
-           "Elongation I/L (width over length) of the stone, rounding included, measured by "
+           "Elongation I/L (width/length) of the stone, rounding included, measured by "
            "callipers: the thickness S is the smallest distance of parallel jaws, the width I the "
            "smallest distance at right angles to S, the length L the distance at right angles to "
            "both. Above about 0.95 there may be no such stone.");
   s.number("flatness", flatness, {.above = 0, .at_most = most},
-           "Flatness S/I (thickness over width) of the stone, measured like the elongation.");
+           "Flatness S/I (thickness/width) of the stone, measured like the elongation.");
   s.number(
       "spread", spread, {.at_least = 0, .at_most = 0.5},
       "Half-width of the uniform distributions of elongation and flatness over the shapes; values "
-      "below 0.1 become 0.1, values above 0.95 become 0.95 (for example 28 % of the stones with "
-      "elongation 0.85 and spread 0.23); 0: all shapes have exactly the specified proportions.");
+      "below 0.1 become 0.1, values above 0.95 become 0.95 (example: with elongation 0.85 and "
+      "spread 0.23, 28 % of the stones receive 0.95); 0: all shapes have exactly the specified "
+      "proportions.");
   s.number("angularity", angularity, {.at_least = 0, .at_most = 1},
            "Angularity; 0: corners evenly distributed over an ellipsoid; 1: a worn polyhedron with "
            "few main corners.");
-  s.number(
-      "rounding", rounding, {.above = 0, .at_most = 0.2},
-      "Radius of edges and corners over the diameter of the sphere of equal volume; the volume "
-      "is kept.");
+  s.number("rounding", rounding, {.above = 0, .at_most = 0.2},
+           "Radius of edges and corners divided by the diameter of the sphere of equal volume; the "
+           "volume is kept.");
   s.integer("pieces", pieces, {.at_least = 2, .at_most = 100},
             "Number of convex pieces of equal volume into which a stone is cut (compound).");
   s.numbers("spheres", spheres, {.at_least = 1, .at_most = 200},

@@ -89,9 +89,9 @@ void Servo::archive(io::Archive& a) {
   a("speed", s.speed, {"m/s", "in the last window, towards the stones"});
   a("recent_force", s.recent, {"N", "of the stones, averaged over a tenth of the time constant"});
   a("mean_force", s.mean, {"N", "of the stones, averaged over the time constant"});
-  a("gain", s.gain, {"-", "1 until the bed proves stiff"});
+  a("gain", s.gain, {"-", "adaptive gain, initially 1"});
   a("steady_for", s.steady_for, {"s", "for which the mean force has been within the tolerance"});
-  a("too_low_for", s.low_for, {"s", "for which it has been below the tolerance"});
+  a("too_low_for", s.low_for, {"s", "for which the mean force has been below the tolerance"});
   a("integral_speed", s.drift, {"m/s", "integral term of the speed"});
 }
 

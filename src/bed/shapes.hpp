@@ -5,6 +5,8 @@
 
 namespace trackbed::bed {
 
+constexpr int union_columns = 192;  // across a union of spheres, to integrate its mass
+
 // Template of `seed` that just passes a slot of `size` m. Throws InputError if no pebble fits.
 dem::Template outline_stone(const BedParameters& parameters, double size, std::uint64_t seed);
 dem::Template round_stone(Dimension dimension);                                   // diameter 1 m

@@ -207,9 +207,9 @@ void Tines::archive(io::Archive& a) {
   a("underside", underside_, {"m", "height of the lower faces of the lifted sleepers"});
   if (a.reads()) set_heights(highest_, underside_);
   a.rows("down", frames_, {"m", "displacement of each sleeper's tines downwards"}, &Frame::down);
-  a.rows("in_left", frames_, {"m", "displacement of those on its left towards the sleeper"},
+  a.rows("in_left", frames_, {"m", "displacement of the tines left of each sleeper towards it"},
          [](Frame& frame) -> double& { return frame.in[0]; });
-  a.rows("in_right", frames_, {"m", "displacement of those on its right towards the sleeper"},
+  a.rows("in_right", frames_, {"m", "displacement of the tines right of each sleeper towards it"},
          [](Frame& frame) -> double& { return frame.in[1]; });
 }
 

@@ -291,12 +291,10 @@ std::string Coupler::trouble() const {
   constexpr double lost = 1e-3;
   if (impl_->ledger.lost() <= lost) return {};
   return fmt::format(
-      "the loads on surfaces differ from the contact forces of the stones by {:.2g} of their sum: "
-      "within one window a load has grown beyond the range of the integers that represent it "
-      "(largest load "
-      "of a node, summed over sub-steps: {:.3g} N); use shorter windows (time.window, "
-      "time.substeps)",
-      impl_->ledger.lost(), impl_->largest);
+      "the sum of contact forces on a surface over one window is too large to be stored: its "
+      "relative error is {:.2g} (allowed: {:g}); largest force of a node summed over the "
+      "sub-steps: {:.3g} N; shorten the window (time.window, time.substeps)",
+      impl_->ledger.lost(), lost, impl_->largest);
 }
 
 const Balance& Coupler::balance() const { return impl_->ledger.balance(); }

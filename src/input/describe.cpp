@@ -53,28 +53,28 @@ std::string range_of(const Spec& spec) {
   return fmt::format("{}{}usually {}", range, range.empty() ? "" : "; ", often);
 }
 
-// What it means, and the parts of a stored state that fix its value for runs that continue.
+// What it means, and from when on it cannot be changed in runs that continue.
 std::string meaning_of(const Spec& spec) {
   using namespace state;
   static constexpr std::array<std::pair<StateParts, const char*>, 11> words{{
-      {any, "every checkpoint"},
-      {earlier, "every checkpoint whose deck has it"},
-      {sleepers, "placed sleepers"},
-      {solid_sleepers, "placed solid sleepers"},
-      {solid_rails, "placed solid rails"},
-      {tines, "inserted tines"},
-      {train, "a train under way"},
-      {moved_ground, "a moved ground"},
-      {moved_plane_ground, "a moved plane ground"},
-      {moved_viscous_base, "a moved ground on a viscous base"},
-      {moved_implicitly, "implicit steps of the ground"},
+      {any, "when a run continues from a checkpoint"},
+      {earlier, "once a checkpoint contains this entry"},
+      {sleepers, "once sleepers are placed"},
+      {solid_sleepers, "once solid sleepers are placed"},
+      {solid_rails, "once solid rails are placed"},
+      {tines, "while tines are inserted"},
+      {train, "while a train is under way"},
+      {moved_ground, "once the ground has moved"},
+      {moved_plane_ground, "once a plane ground has moved"},
+      {moved_viscous_base, "once a ground on a viscous base has moved"},
+      {moved_implicitly, "once the ground has taken implicit steps"},
   }};
   std::vector<std::string> parts;
   for (const auto& [part, name] : words)
     if ((spec.fixed_by & part) != 0) parts.emplace_back(name);
   if (parts.empty()) return spec.meaning;
   if ((spec.fixed_by & any) != 0) parts.resize(1);
-  return fmt::format("{} Fixed by {}.", spec.meaning, fmt::join(parts, ", "));
+  return fmt::format("{} Cannot be changed {}.", spec.meaning, fmt::join(parts, " or "));
 }
 
 // A bar would end the cell of a Markdown table.

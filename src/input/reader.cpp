@@ -41,12 +41,12 @@ std::string number_hint(const Node& node, const Limits& limits) {
                             : fmt::format("; give a number in {}", limits.unit);
 }
 
-// "a, b or c"; an empty word as written in a deck.
+// As written in a deck: "a", "b" or "c".
 std::string listed(const std::vector<std::string_view>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
-    text += words[i].empty() ? "\"\"" : words[i];
+    text += fmt::format("\"{}\"", words[i]);
   }
   return text;
 }

@@ -15,9 +15,9 @@ struct Motion {
   Vec3 TopState::*of;
 };
 constexpr std::array motions = {
-    Motion{"displacement", "m", "from the state when it was released", &TopState::displacement},
-    Motion{"velocity", "m/s", "of its last window", &TopState::velocity},
-    Motion{"acceleration", "m/s2", "of its last window, no filter", &TopState::acceleration}};
+    Motion{"displacement", "m", "relative to static equilibrium", &TopState::displacement},
+    Motion{"velocity", "m/s", "in the last window", &TopState::velocity},
+    Motion{"acceleration", "m/s2", "in the last window, no filter", &TopState::acceleration}};
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void Results::Impl::set_ground_nodes(const std::vector<std::int32_t>& monitored,
           {std::string("history/ground/") + motion.name + ends.at(static_cast<std::size_t>(axis)),
            {motion.unit, words.at(static_cast<std::size_t>(axis)) + std::string(motion.words)}});
   ground.push_back({"history/ground/sigma_z",
-                    {"Pa", "vertical stress, tension positive, since it was released"}});
+                    {"Pa", "vertical stress, tension positive, relative to static equilibrium"}});
 }
 
 // Only the owner of a node has its state, the other ranks add zero, so the sum is exact.

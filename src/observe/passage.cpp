@@ -13,7 +13,7 @@ namespace trackbed::observe {
 namespace {
 
 // Order of `columns_`.
-enum ColumnIndex : std::size_t {
+enum PassageColumn : std::size_t {
   wheel_force,
   wheel_x,
   rail_displacement,
@@ -32,8 +32,8 @@ enum ColumnIndex : std::size_t {
 
 }  // namespace
 
-// Columns have the order of `ColumnIndex`. Points may have the same nearest sleeper, which is kept
-// once.
+// Columns have the order of `PassageColumn`. Points may have the same nearest sleeper, which is
+// kept once.
 PassageHistories::PassageHistories(const track::Line& line, const track::Train& train,
                                    std::vector<double> points, std::size_t forces)
     : line_(line), train_(train), points_(std::move(points)), forces_(forces), envelope_(line) {
@@ -57,7 +57,7 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
        sleepers_each,
        {}},
       {"history/body/displacement",
-       {"m", "vertical, up positive, from unloaded springs; constant forces: 0"},
+       {"m", "vertical, up positive, relative to unloaded springs; 0 for vehicles of kind forces"},
        bodies,
        {}},
       {"history/body/acceleration", {"m/s2", "vertical, no filter"}, bodies, {}},
@@ -65,26 +65,28 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
       {"history/body/roll", {"rad", "left side up positive"}, sides > 1 ? bodies : 0, {}},
       {"history/wheel/height",
        {"m",
-        "of a wheel, up positive; in static contact with an even rigid rail: minus its approach"},
+        "height of the wheel, up positive, zero at first contact with the even, undeflected rail"},
        wheels,
        {}},
       {"history/ground/displacement",
-       {"m", sides > 1 ? "vertical, up positive: below the ballast spring of each end of a sleeper "
-                         "(mean and slope across of its footprint); on rigid ground 0"
-                       : "vertical, up positive: mean below the ballast of a sleeper; on rigid "
-                         "ground 0"},
+       {"m", sides > 1
+                 ? "vertical, up positive: below the ballast spring of each sleeper end (from "
+                   "the mean displacement and transverse slope of the footprint); 0 on rigid "
+                   "ground"
+                 : "vertical, up positive: mean below the ballast of a sleeper; 0 on rigid "
+                   "ground"},
        on_ground ? sleepers_each : 0,
        {}},
       {"history/ground/force",
-       {"N", sides > 1
-                 ? "of the ballast spring of each end of a sleeper on it, compression positive"
-                 : "of a sleeper's ballast under one rail on it, compression positive"},
+       {"N", sides > 1 ? "force of the ballast on the ground, per sleeper end, compression positive"
+                       : "force of the ballast on the ground, per sleeper and rail, compression "
+                         "positive"},
        on_ground ? sleepers_each : 0,
        {}},
       {"history/sleeper/moment",
        {"N m",
-        "in a sleeper: below the left rail, in the middle, below the right rail (of a half "
-        "the first two); positive where its ends are bent upwards"},
+        "in a sleeper: below the left rail, in the middle, below the right rail (half sleeper: "
+        "only the first two); positive (sagging) if the ends bend upwards"},
        line.sleepers_bend() ? (sides + 1) * sleepers_.size() : 0,
        {}}};
 }

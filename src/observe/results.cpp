@@ -27,7 +27,8 @@ constexpr double same_place = 1e-6;  // m, two nodes on one line along the track
 
 // Names and units of the histories are read by postproc/ and by users' scripts.
 std::vector<Column> sleeper_columns() {
-  return {{"history/sleeper/displacement", {"m", "vertical, of the centre, since it was placed"}},
+  return {{"history/sleeper/displacement",
+           {"m", "vertical, of the centre, since the sleeper was placed"}},
           {"history/sleeper/velocity", {"m/s", "vertical"}},
           {"history/sleeper/acceleration", {"m/s2", "vertical, in the last window, no filter"}},
           {"history/sleeper/seat_force", {"N", "vertical load on the rail seat, up positive"}},
@@ -45,12 +46,12 @@ std::vector<Column> region_columns(const std::string& name) {
   const std::string group = "history/region/" + name + "/";
   return {
       {group + "porosity", {"-", "volume fraction of voids in each cell, x fastest, then y"}},
-      {group + "bulk_density", {"kg/m3", "mass of stones over volume of the cell"}},
+      {group + "bulk_density", {"kg/m3", "mass of stones divided by volume of the cell"}},
       {group + "stones", {"-", "number of stones with their centre in the cell"}},
       {group + "coordination",
        {"-", "mean number of stones and surfaces in contact with such a stone"}},
       {group + "contacts", {"-", "number of contacts with their branch midpoint in the cell"}},
-      {group + "contact_force", {"N", "mean magnitude of their forces"}},
+      {group + "contact_force", {"N", "mean magnitude of the contact forces"}},
       {group + "stress", {"Pa", "Love-Weber, xx yy zz xy xz yz of each cell, tension positive"}},
       {group + "fabric", {"-", "mean n n^T of the contacts' normals, components as of stress"}}};
 }

@@ -100,13 +100,14 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
     const std::string chains = "chains/" + stage, pebbles = "stones/" + stage;
     file.write<double>(chains + "/segments", network.segments, 4,
                        {"m", "x and z of the centres of the two pieces of each contact"});
-    file.write<double>(chains + "/force", network.force, 1, {"N", "magnitude of its force"});
+    file.write<double>(chains + "/force", network.force, 1,
+                       {"N", "magnitude of each contact force"});
     file.write<double>(pebbles + "/centre", stones.centre, 2, {"m", "x and z of each pebble"});
     file.write<double>(pebbles + "/sieved", sieved, 2,
-                       {"m, kg", "of each stone: smallest opening it passes, and mass"});
+                       {"m, kg", "of each stone: smallest opening that it passes, and mass"});
     if (cell > 0)
       file.write<double>("surface/" + stage + "/top", own, 3,
-                         {"m", "x, y of each cell, and z of the highest stone in it"});
+                         {"m", "x, y of each cell, and z of the highest stone in the cell"});
     file.write<double>(pebbles + "/radius", stones.radius, 1, {"m", "of each pebble"});
   });
 }

@@ -6,11 +6,11 @@ namespace trackbed::observe {
 void Results::Impl::sample_solids(const SolidState& state) {
   if (solid.empty())
     solid = {{"history/solid/seat_displacement",
-              {"m", "vertical, of each rail seat, since it was placed"}},
+              {"m", "vertical, of each rail seat, since the sleepers were placed"}},
              {"history/solid/bending_stress",
-              {"Pa", "along each sleeper at its lower face: below its seats, then in its middle"}},
+              {"Pa", "along the sleeper, at its lower face: below the seats, then in the middle"}},
              {"history/solid/rail_displacement",
-              {"m", "vertical, of the rail above each seat, since it was placed"}}};
+              {"m", "vertical, of the rail above each seat, since the rail was placed"}}};
   const auto put = [](Column& column, const std::vector<double>& values) {
     column.width = values.size();
     column.values.insert(column.values.end(), values.begin(), values.end());

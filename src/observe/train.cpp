@@ -10,7 +10,7 @@ namespace trackbed::observe {
 namespace {
 
 // Order of the columns below.
-enum ColumnIndex : std::size_t {
+enum TrainColumn : std::size_t {
   wheel_force,
   wheel_x,
   rail_displacement,
@@ -26,22 +26,24 @@ std::vector<Column> train_columns(const TrainInstant& train, std::size_t sleeper
   const std::size_t seats = sleepers * train.rails;
   std::vector<Column> columns{
       {"history/wheel/force", {"N", "of one wheel on the rail, down positive"}, train.wheels},
-      {"history/wheel/x", {"m", "position in the frame of the bed"}, train.wheels},
+      {"history/wheel/x", {"m", "position in the coordinates of the bed"}, train.wheels},
       {"history/rail/displacement",
        {"m", "vertical, above each seat of the bed, since the rail was laid"},
        seats},
       {"history/body/displacement",
-       {"m", "vertical, up positive, from unloaded springs; constant forces: 0"},
+       {"m", "vertical, up positive, relative to unloaded springs; 0 for vehicles of kind forces"},
        train.bodies},
       {"history/body/acceleration", {"m/s2", "vertical, no filter"}, train.bodies}};
   if (train.rails == 1) return columns;
   columns.insert(
       columns.end(),
-      {{"history/body/roll", {"rad", "left side up positive; constant forces: 0"}, train.bodies},
+      {{"history/body/roll",
+        {"rad", "left side up positive; 0 for vehicles of kind forces"},
+        train.bodies},
        {"history/seat/displacement",
-        {"m", "vertical, of each sleeper below the left and the right rail, since it was laid"},
+        {"m", "vertical, of each rail seat, since the rail was laid"},
         seats},
-       {"history/seat/force", {"N", "of the pad on each of them, down positive"}, seats}});
+       {"history/seat/force", {"N", "pad force on each rail seat, down positive"}, seats}});
   return columns;
 }
 

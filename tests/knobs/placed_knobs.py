@@ -110,11 +110,11 @@ REFUSED = {
     "plate.floor.edge=[0,0,1]": "must not be along the normal",
     "box.walls.low=[1,1,1]": "must be above `low` in x, y and z",
     "contact.1.first=wood": "given twice",
-    "stage.fall.kind=fill": "must be run or settle",
+    "stage.fall.kind=fill": 'must be "run" or "settle"',
     "stage.fall.ground_moves=true": "there is no ground",
     "stone.odd.motion=driven stone.ball.motion=driven": "no stone is free",
     "time.step=1": "is above the stable sub-step",
-    "dimension=plane": "makes stones in space: a plane model allows ball, and clump",
+    "dimension=plane": "gives three-dimensional stones: a plane model allows ball, and clump",
     "bed.height=0.3": "bed",
     "model=bed": "is only for model = \"stones\"",
 }

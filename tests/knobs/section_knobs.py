@@ -44,9 +44,9 @@ REFUSED = {
     "ground.sides=free_field": "the ground beside the model is neither level",
     "ground.side_x_low=periodic ground.side_x_high=periodic": "nor the same at both ends",
     "ground.side_y_low=viscous": "the axis of the embankment is a plane of symmetry",
-    "ground.plane=strain": "an embankment is for models in space",
+    "ground.plane=strain": "an embankment is for three-dimensional models",
     "ground.layer.1.yield=mohr_coulomb": "must not yield below a track without stones",
-    "dimension=plane": "must be space on a ground of tetrahedra",
+    "dimension=plane": 'must be "space": a ground of tetrahedra is',
     "footing.length=8 footing.y=4": "beyond the crest of ground.section (3.5 m on either side)",
     "ground.base=viscous ground.base_motion={folder}/along.csv":
         "ground.sides = \"roller\": holds the ends of the ground, which base_motion moves along",
@@ -61,10 +61,10 @@ UPRIGHT = ("ground.section.0.slope=0 ground.section.1.slope=0 ground.section.2.s
 # Change of the deck -> texts that `check` prints, or (after "-") must not print.
 REPORTED = {
     "title=same": ["x = 0 to 18, y = 0 to 16, z = -9 to 0 m, {volume:.6g} m^3", "-warning"],
-    "ground.section.1.x=8.7": ["section[1].x", "is within a row of elements"],
-    "ground.section.2.x=17.7": ["section[2].x", "is within a row of elements", "-section[1]"],
+    "ground.section.1.x=8.7": ["section[1].x", "is not at an element boundary"],
+    "ground.section.2.x=17.7": ["section[2].x", "is not at an element boundary", "-section[1]"],
     "ground.section.0.x=0.3 ground.section.0.crest=3.6":
-        ["section[0].x", "is within a row of elements", "-section[1]", "-section[2]"],
+        ["section[0].x", "is not at an element boundary", "-section[1]", "-section[2]"],
     # Nothing bends at these: all is as at the second, or changes evenly, or is beyond the ground.
     "ground.section.0.x=0.3": ["-warning"],
     "ground.section.1.x=4.5 ground.section.1.crest=3.875 ground.section.1.height=3.75":
@@ -76,12 +76,12 @@ REPORTED = {
     # The reverse.
     "ground.block.0.outline=[17.1,-1.45,18,-1.45,18,-1.58,17.1,-1.58]": ["-warning"],
     "ground.y=[0,9.5]": ["y = 0 to 9.5, z", "-warning"],  # ends at the foot of all
-    UPRIGHT + " ground.y=[0,3.5]": ["vertical outside", "(x = 0 to 18 m)"],
+    UPRIGHT + " ground.y=[0,3.5]": ["vertical side faces", "(x = 0 to 18 m)"],
     UPRIGHT + " ground.y=[0,3.5] ground.side_y_high=free": ["-warning"],
     UPRIGHT: ["-warning"],
     # Slopes begin in a row of elements, and there they are free.
     "ground.section.0.slope=0 ground.section.1.slope=0 ground.section.0.crest=9.5 "
-    "ground.section.1.crest=9.5 ground.y=[0,9.5]": ["vertical outside", "(x = 0 to 9 m)"],
+    "ground.section.1.crest=9.5 ground.y=[0,9.5]": ["vertical side faces", "(x = 0 to 9 m)"],
 }
 
 

@@ -4,7 +4,7 @@
 
 #include "support/scene.hpp"
 
-namespace trackbed {
+namespace trackbed::skin_test {
 namespace {
 
 struct Result {
@@ -39,4 +39,4 @@ TEST(Skin, ChangesRebuildsButNoResult) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::skin_test

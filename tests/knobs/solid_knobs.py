@@ -37,7 +37,7 @@ TRAIN = ("solid.rails=false stage.passage.train=true train.start=0 track.spacing
          "track.length=12.4 track.sleeper_mass=732 seat.before=15 seat.rails=0.1")
 REFUSED = {
     "dimension=plane bed.stone=pebbles": "solid needs dimension = \"space\"",
-    "stage.passage.kind=tamp stage.passage.duration=0": "must be rigid for stages of kind tamp",
+    "stage.passage.kind=tamp stage.passage.duration=0": 'must be "rigid" for stages of kind',
     "stage.passage.train=true train.start=0": "must be false below a train (train = true)",
     f"{TRAIN} pad.bilinear_at=1e-4 pad.bilinear_stiffness=300e6": "must be 0 on solid sleepers",
     "sleepers.bevel=0.02": "must be 0 for solid sleepers",
@@ -47,7 +47,7 @@ REFUSED = {
     "solid.seat_size=[0.25, 0.1]": "is wider along x than the sleeper (0.2 m)",
     "solid.alpha=-0.5": "at least -0.33",
     "solid.element=0.01 sleepers.count=2 sleepers.length=2": "unknowns, which every rank solves",
-    "load.kind=power": "must be winkler with solid rails",
+    "load.kind=power": 'must be "winkler" with solid rails',
     "pad.bilinear_at=1e-3 pad.bilinear_stiffness=300e6": "must be 0 below solid rails",
     "time.window=2e-3": "bodies in contact with stones allow about 6.64e-05 s",
 }

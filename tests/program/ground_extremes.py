@@ -30,7 +30,7 @@ def pictures(folder, stage):
     found = []
     for path in read.fields(folder, stage, "ground").values():
         cells = datasets(path)
-        principal = array(cells, "principal stresses, rest and since")
+        principal = array(cells, "principal stresses, total")
         found.append((principal[:, 2], principal[:, 0], array(cells, "least principal stress"),
                       array(cells, "up to now: largest principal stress")))
     return found

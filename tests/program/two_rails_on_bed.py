@@ -41,20 +41,20 @@ REFUSED = {
     f"{' '.join(SOLID)} solid.half=true": "solid.half = true: must be false below two rails",
     f"{' '.join(SOLID)} seat.rails=1": "seat.rails = 1: must be 2 below two rails",
     "handover.after=sleepers irregularity.kind=none irregularity_right.kind=vee":
-        "irregularity_right.kind = \"vee\": must be none in a deck with [handover]",
+        "irregularity_right.kind = \"vee\": must be \"none\" in a deck with [handover]",
     f"{' '.join(SOLID)} handover.after=sleepers irregularity.kind=none":
-        "must be rigid in a deck with [handover] and two rails",
+        "must be \"rigid\" in a deck with [handover] and two rails",
     "handover.after=sleepers irregularity.kind=none sleepers.free=[\"z\"]":
-        "must contain rx in a deck with [handover] and two rails",
+        "must contain \"rx\" in a deck with [handover] and two rails",
     "load.gauge=0.3": "load.gauge = 0.3: needs kind = \"seats\"",
     "track.dimension=plane":
         "irregularity_right.kind = \"none\": needs two rails (track.dimension",
 }
 # Words of check: a pad on a seat turns 12 kg where the gauge is 0.45 m, and bears half a sleeper.
 REPORTED = {"sleepers.free=[\"z\"]": "does not contain rx: the sleepers of the bed",
-        "track.gauge=0.45 pad.stiffness=120e6": "sleeper of 12.3 kg per rail on its pad",
+        "track.gauge=0.45 pad.stiffness=120e6": "sleeper: mass 12.3 kg per rail, pad of",
         "track.gauge=0.45 pad.stiffness=120e6 pad.damping=25e3 sleepers.free=[\"z\"]":
-            "sleeper of 27.5 kg per rail on its pad"}
+            "sleeper: mass 27.5 kg per rail, pad of"}
 
 
 def check_sentences(program, deck):

@@ -48,10 +48,10 @@ WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as 
           "ground.sides=free ground.side_x_low=viscous ground.side_x_high=roller":
               "sides = \"free\": has no effect: the kind of each side is given",
           "ground.base_motion={folder}/under_way.csv":
-              "under_way.csv: at 0 s the ground is released at rest, but the wave already has "
-              "vx_m_s = 0, vz_m_s = 0.01",
+              "under_way.csv: the ground starts from rest at 0 s, but the wave already has "
+              "vx_m_s = 0 m/s, vz_m_s = 0.01 m/s",
           "ground.base_motion={folder}/over.csv":
-              "over.csv: the wave ends at -0.01 s, before the ground is released at 0 s",
+              "over.csv: the wave ends at -0.01 s, before the ground starts to move at 0 s",
           "ground.base_motion={folder}/late.csv":
               "late.csv: the wave begins at 0.3 s, but the ground moves for at most 0.3 s",
           "ground.base_motion={folder}/last.csv":

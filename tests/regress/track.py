@@ -37,7 +37,7 @@ REFUSED = {
     "output.stop_after=-1": "at least 0",
     "track.dimension=space track.rails=1": 'must be 2 with dimension = "space"',
     "track.sleeper.model=beam track.sleeper.elements=7": "must be even, so that there",
-    "track.sleeper.model=beam track.support=continuous": "must be rigid: the track has no sleepers",
+    "track.sleeper.model=beam track.support=continuous": 'must be "rigid": the track has no',
     "track.sleeper.model=beam track.sleeper_length=1.5": "must be longer than the gauge of 1.5 m",
     "track.sleeper.model=beam track.rails=1": "must be 2 with bending sleepers",
     "track.sleeper.model=beam track.sleeper_inertia=100": "must be 0 with bending sleepers",
@@ -50,8 +50,8 @@ REFUSED = {
     "under_sleeper_pad.stiffness=8e7 track.sleeper.model=beam": "must be 0 below sleepers that",
     "under_sleeper_pad.from=9 under_sleeper_pad.to=9": "must be above `from`, or 0",
     f"{SEATS} pad.uplift=true": "pad.uplift = true: needs a rail, which seat loads replace",
-    f"{SEATS} track.ends=free": "must be pinned with seat loads",
-    f"{SEATS} track.support=continuous": "must be sleepers with seat loads",
+    f"{SEATS} track.ends=free": 'must be "pinned" if seat loads are applied',
+    f"{SEATS} track.support=continuous": 'must be "sleepers" if seat loads are applied',
     f"{SEATS} load.kind=table": "load.file",
     "load.peak=50e3": "has no effect: it acts only with passage.loaded_by",
     "irregularity.kind=same": '"same" is only for the right rail',
@@ -82,7 +82,7 @@ def check_refusals(program, decks, folder):
     for change, words in REFUSED.items():
         refuse(program, decks / "plain.toml", change.split(" "), words)
     refuse(program, decks / "plain.toml", ["track.support=none", "track.ends=free"],
-           "track.ends = \"free\": must be pinned: the rail has no other support")
+           'track.ends = "free": must be "pinned": the rail has no other support')
     lines = refuse(program, decks / "plain.toml", TOGETHER, "must be above 0")
     if len(lines) != len(TOGETHER):
         raise SystemExit(f"one message for each of {TOGETHER} is required: {lines}")

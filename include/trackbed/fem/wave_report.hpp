@@ -24,8 +24,8 @@ std::vector<WaveAtSide> look_at_wave(const GroundParameters& parameters, Dimensi
 void declare_common_side(const GroundParameters& parameters, input::Section& s);
 
 // Warnings about the speed of a wave, and about its arrival time at a ground that moves for at most
-// `time` s after it is released (infinity: not known). Sentences without the name of the file; none
-// without a wave. Reads the tables: throws InputError about them. Local.
+// `time` s (infinity: not known). Sentences without the name of the file; none without a wave.
+// Reads the tables: throws InputError about them. Local.
 std::vector<std::string> look_at_times(const GroundParameters& parameters, Dimension dimension,
                                        double time);
 

@@ -42,7 +42,8 @@ class Pressures {
   Pressures(const par::Comm& comm, const Surface& top, bool around,
             const std::vector<PressureParameters>& parameters);
 
-  // Adds their forces at a time (s, from the release of the ground) to those of the top's nodes, N.
+  // Adds their forces at a time (s, from the start of the ground's motion) to those of the top's
+  // nodes, N.
   // add_dead: only those of dead loads.
   void add(double time, std::vector<Vec3>& nodes) const;
   void add_dead(std::vector<Vec3>& nodes) const;

@@ -45,11 +45,11 @@ void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
   sub->add_option("--stones", shapes.stones, "Number of parametric stones, each 1 m long")
       ->check(CLI::Range(0, 100000));
   sub->add_option("--elongation", shapes.stone.elongation,
-                  "Elongation of the stones, I/L: width over length")
+                  "Elongation of the stones, I/L: width divided by length")
       ->check(CLI::Range(0.1, 0.995))
       ->capture_default_str();
   sub->add_option("--flatness", shapes.stone.flatness,
-                  "Flatness of the stones, S/I: thickness over width")
+                  "Flatness of the stones, S/I: thickness divided by width")
       ->check(CLI::Range(0.1, 0.995))
       ->capture_default_str();
   sub->add_option("--spread", shapes.stone.spread,
@@ -69,7 +69,7 @@ void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
       ->check(CLI::Range(6, 200))
       ->capture_default_str();
   sub->add_option("--rounding", shapes.mesh.rounding,
-                  "Rounding radius over the diameter of the sphere of the same volume")
+                  "Rounding radius divided by the diameter of the sphere of the same volume")
       ->check(CLI::Range(0.0, 0.4))
       ->capture_default_str();
   sub->add_option("--unit", shapes.mesh.unit,

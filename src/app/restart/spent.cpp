@@ -74,7 +74,8 @@ std::string why_spent(std::string_view key, const model::Model& model, const Pos
   if (key.starts_with("time.") || key == "dem.safety")
     return next < model.stages.size() ? "" : "the steps of the last stage are already chosen";
   if (at.same_run && key.starts_with("region["))
-    return "the histories of this run are those of the old region";
+    return "the results of this run already contain histories of the region as first defined; it "
+           "cannot be changed within a run";
   if (!key.starts_with("stage[")) return "";
   const std::size_t number = std::stoul(std::string(key.substr(6)));
   if (number < at.stage) return "this stage is over";

@@ -16,7 +16,8 @@ bool is_of(const ContactLaw& law, const std::string& one, const std::string& oth
 }
 
 std::string listed(const std::vector<std::string>& names) {
-  return names.empty() ? "there is none" : fmt::format("there are {}", fmt::join(names, ", "));
+  return names.empty() ? "the deck defines no [[material]]"
+                       : fmt::format("there are {}", fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -30,7 +31,8 @@ void Material::declare(input::Section& s) {
   fixed.end();
   s.number("density", density,
            {.unit = "kg/m3", .above = 0, .usually_from = 500, .usually_to = 2e4},
-           "Density of the solid: mass of the stones and sleepers made of it.");
+           "Density of the solid; it determines the mass of the stones and sleepers made of this "
+           "material.");
   s.number("local_damping", local_damping, {.unit = "-", .at_least = 0, .at_most = 0.999},
            "Cundall's local damping: fraction of the net force that resists motion.");
   s.number("young", young, {.unit = "Pa", .at_least = 0, .usually_from = 1e5, .usually_to = 1e12},
@@ -44,9 +46,10 @@ void Material::declare(input::Section& s) {
 void ContactLaw::declare(input::Section& s) {
   s.text("first", first, "Name of one material.", {}, true);
   s.text("second", second, "Name of the other (or the same) material.", {}, true);
-  s.choice("law", kind, {"linear", "hertz"},
-           "Contact law between the two materials. hertz in a plane model: contact of parallel "
-           "cylinders as long as the model is thick, k_n = pi/4 E* thickness.");
+  s.choice(
+      "law", kind, {"linear", "hertz"},
+      "Contact law between the two materials. hertz in a plane model: parallel cylinders whose "
+      "length equals the thickness of the model, k_n = pi/4 E* thickness.");
   s.number("k_n", k_n, {.unit = "N/m", .above = 0, .usually_from = 1e3, .usually_to = 1e12},
            "Normal stiffness, linear law.");
   s.number("k_s", k_s, {.unit = "N/m", .at_least = 0, .usually_from = 1e3, .usually_to = 1e12},
@@ -65,9 +68,9 @@ void ContactLaw::declare(input::Section& s) {
          "Whether viscous damping may cause tension at the end of a collision; if not, the normal "
          "force F_n is at least 0.");
   s.number("rolling_friction", rolling_friction, {.unit = "-", .at_least = 0},
-           "Coefficient of rolling friction: largest rolling moment over F_n R, where R is the "
-           "reduced radius of the two pieces (of the balls around them). It is the tangent of the "
-           "steepest slope on which a sphere rests; 0: rolling is free.");
+           "Coefficient of rolling friction: largest rolling moment divided by F_n R, where R = r1 "
+           "r2/(r1 + r2) is the reduced radius of the circumscribed spheres of the two pieces. It "
+           "is the tangent of the steepest slope on which a sphere rests; 0: rolling is free.");
   // From 2.25 mu_r^2 with mu_r = 0.01 (Ai et al. 2011, model C) to some multiple of k_s / k_n
   // (Iwashita, Oda 1998). A spring stiffer than the contact itself also reduces the step.
   s.number("rolling_stiffness", rolling_stiffness,

@@ -40,18 +40,18 @@ void Particles::save(io::File& file, const std::string& group) const {
   file.write<std::int64_t>(group + "/history/keys", keys, 2,
                            {"-",
                             "piece key (particle id * 65536 + piece) and the other piece's, or "
-                            "-1 - (surface name * 2^32 + patch)"});
+                            "-1 - (surface number * 2^32 + patch)"});
   file.write<double>(
       group + "/history/xi", xi, 4,
       {"m, m, m, rad", "tangential displacement x y z, relative rotation about the normal"});
   file.write<double>(
       group + "/history/size", size, 2,
       {"m, m3",
-       "contact size sqrt(R delta) to which the displacement belongs, and that times "
-       "the contact's spread; with a linear law 1 and the spread, m2"});
+       "columns: contact size sqrt(R delta) when the displacement was stored; this size times the "
+       "spread of the contact (linear law: 1; the spread in m2)"});
   if (r.laws.any_rolls())
     file.write<double>(group + "/history/roll", roll, 3,
-                       {"m", "displacement of rolling x y z; missing if no contact resists it"});
+                       {"m", "displacement of rolling x y z; missing without rolling resistance"});
   for (std::size_t n = 0; n < r.names.size(); ++n)
     file.attribute(group, "surface_" + std::to_string(n), r.names[n]);
   file.attribute(group, "surfaces", static_cast<std::int64_t>(r.names.size()));

@@ -20,16 +20,18 @@ void Parameters::declare(input::Section& s) {
            "Verlet skin: distance beyond contact up to which neighbour lists contain pairs; 0: 0.3 "
            "times the smallest particle's radius, or 0.15 times if stones have corners. The skin "
            "changes the speed of the program, not its results.");
-  s.number("rebalance", rebalance, {.unit = "-", .at_least = 0},
-           "Load ratio (busiest rank over mean) above which stones are redistributed; 0: never. "
-           "The ratio changes the speed of the program, not its results.");
+  s.number(
+      "rebalance", rebalance, {.unit = "-", .at_least = 0},
+      "Ratio of the work of the busiest rank to the mean above which stones are redistributed; "
+      "0: never. The ratio changes the speed of the program, not its results.");
   // A collision takes pi/safety sub-steps: 6 hardly resolve it, 3000 only cost time.
   s.number("safety", safety,
            {.unit = "-", .above = 0, .at_most = 1, .usually_from = 1e-3, .usually_to = 0.5},
-           "Safety factor: longest sub-step over sqrt(m/k) of the lightest particle and the "
+           "Safety factor: longest sub-step divided by sqrt(m/k) of the lightest particle and the "
            "stiffest contact.");
   s.number("largest_overlap", largest_overlap, {.unit = "-", .above = 0},
-           "Largest permitted overlap over the smaller radius; the run stops beyond it.");
+           "Largest permitted overlap divided by the smaller radius; above this value the run "
+           "stops.");
   s.number("gravity", gravity, {.unit = "m/s2", .at_least = 0, .usually_to = 100},
            "Gravitational acceleration along -z.");
 }

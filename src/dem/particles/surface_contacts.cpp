@@ -217,7 +217,6 @@ double Particles::Impl::touch_with_corners(Approach& a, const SubStep& step) {
 // The normal part is not averaged but applied to each feature along its own normal. The ring forces
 // have no resultant; about N they give the required moment if the points are in a plane across N,
 // because spread is the mean square of the arms.
-// mean square of the arms.
 double Particles::Impl::apply_patch_contact(Approach& a, std::span<const MeshContact> contacts,
                                             double rounding, const SubStep& step) {
   Overlaps overlaps;

@@ -38,7 +38,7 @@ void save_templates(io::File& file, const std::string& group,
   file.write<std::int64_t>(group + "/sizes", sizes, 2, {"-", "corners and faces of each piece"});
   file.write<double>(group + "/corners", corners, 3, {"m", "of the cores, piece after piece"});
   file.write<std::int64_t>(group + "/faces", loops, 1,
-                           {"-", "of each face its number of corners and their numbers"});
+                           {"-", "for each face: number of corners, then corner indices"});
 }
 
 // Every rank reads all. Throws RunError if counts and lists are inconsistent, before anything is

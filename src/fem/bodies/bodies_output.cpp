@@ -9,9 +9,6 @@ namespace trackbed::fem {
 
 namespace {
 
-// Corners in VTK's order, as bits x, y, z.
-constexpr std::array<std::size_t, 8> vtk_corner = {0, 1, 3, 2, 4, 5, 7, 6};
-
 template <class Numbers>
 void put(io::FieldData& field, const Numbers& numbers) {
   field.values.insert(field.values.end(), numbers.begin(), numbers.end());
@@ -28,7 +25,7 @@ void Bodies::archive(io::Archive& a) {
   BodiesSystem& system = impl_->system;
   bool moved = system.begun();
   a("origin", impl_->origin, {"m", "where the solids were placed"});
-  a("moved", moved, {"-", "1: they have moved since; else 0"});
+  a("moved", moved, {"-", "1: the solids have moved since they were placed; else 0"});
   if (a.reads()) place(impl_->origin);
   const auto nodal = [&](const char* name, const io::Label& label, BodiesSystem::Vector& values) {
     std::vector<Vec3> nodes;
@@ -38,7 +35,7 @@ void Bodies::archive(io::Archive& a) {
     for (std::size_t n = 0; n < nodes.size() && a.reads(); ++n)
       system.put(static_cast<std::int32_t>(n), nodes[n], values);
   };
-  nodal("displacement", {"m", "of each node of the solids, from where it was placed"},
+  nodal("displacement", {"m", "of each node of the solids, since they were placed"},
         system.displacement);
   nodal("velocity", {"m/s", "of each node of the solids"}, system.velocity);
   nodal("acceleration", {"m/s^2", "of each node of the solids"}, system.acceleration);

@@ -130,8 +130,8 @@ void FreeField::find_corners(const Mesh& mesh, const GroundParameters& parameter
   }
 }
 
-// State of the ground at its release. The wave may already be in progress then: its table decides,
-// and its motion before that time is not counted.
+// State of the ground when it starts to move. The wave may already be in progress then: its table
+// decides, and its motion before that time is not counted.
 void FreeField::reset() {
   list([](const char*, const char*, std::vector<double>& values) {
     std::fill(values.begin(), values.end(), 0.0);

@@ -76,7 +76,7 @@ double spring_of(const Mesh& mesh, const GroundParameters& parameters, const Imp
   return base_spring(parameters, solid_of(mesh, face.element), mesh.imported->depth);
 }
 
-struct Builder {
+struct ImportedBuilder {
   const Mesh& mesh;
   const GroundParameters& parameters;
   Terms& terms;
@@ -126,7 +126,7 @@ void Terms::add_tetrahedra(const Mesh& mesh, const GroundParameters& parameters)
         damping[c][node] += (solid.rayleigh_mass - parameters.rayleigh_mass) * part;
     }
   }
-  const Builder builder{mesh, parameters, *this};
+  const ImportedBuilder builder{mesh, parameters, *this};
   for (const Imported::Face& face : mesh.imported->borders) builder.border(face);
   for (int c = 0; c < 3; ++c)
     for (std::size_t n = 0; n < mesh.nodes(); ++n)

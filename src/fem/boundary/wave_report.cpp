@@ -87,7 +87,7 @@ std::vector<std::string> look_at_times(const GroundParameters& parameters, Dimen
   if (!wave.moves(0) && !wave.moves(2)) return {"has no motion: all its velocities are 0"};
   if (wave.end() <= 0)
     return {
-        fmt::format("the wave ends at {:g} s, before the ground is released at 0 s, and has no "
+        fmt::format("the wave ends at {:g} s, before the ground starts to move at 0 s, and has no "
                     "effect; let its rows begin at 0 s",
                     wave.end())};
   if (wave.begin() >= time)
@@ -106,8 +106,8 @@ std::vector<std::string> look_at_times(const GroundParameters& parameters, Dimen
   const Vec3 now = wave.at(0);
   if (!now.isZero(0))
     odd.push_back(
-        fmt::format("at 0 s the ground is released at rest, but the wave already has vx_m_s = "
-                    "{:g}, vz_m_s = {:g}, which acts as a jump; let its rows begin at 0 s",
+        fmt::format("the ground starts from rest at 0 s, but the wave already has vx_m_s = {:g} "
+                    "m/s, vz_m_s = {:g} m/s, which acts as a jump; let its rows begin at 0 s",
                     now.x(), now.z()));
   return odd;
 }

@@ -24,9 +24,10 @@ void State::list(const Visit& visit) {
   visit("acceleration", "m/s^2", "at the end of the last window", acceleration);
   visit("internal", "N",
         "nodal force of the present deformation; implicit steps: of the last predictor", internal);
-  visit("load", "N", "top load of the last window minus the settled one", load);
-  visit("settled", "N", "top load of static equilibrium", settled);
-  visit("offset", "m", "displacement at the last static equilibrium, part of the shape", offset);
+  visit("load", "N", "top load of the last window minus that in static equilibrium", load);
+  visit("settled", "N", "top load in static equilibrium", settled);
+  visit("offset", "m",
+        "displacement at the last static equilibrium, included in the reference geometry", offset);
   visit("rest", "m", "static displacement under weight and settled load", static_displacement);
   if (one_before.of[0].empty()) return;
   visit("acceleration_one_before", "m/s^2", "a window before the last one; implicit steps",
@@ -141,7 +142,7 @@ void Ground::save(io::File& file, const std::string& group) const {
   const std::string beside = group + "/free_field";
   file.write<double>(beside + "/time",
                      mesh.comm.root() ? std::vector<double>{impl_->time} : std::vector<double>{}, 1,
-                     {"s", "since the ground was released"});
+                     {"s", "time since the ground started to move"});
   impl_->free_field->list([&](const char* name, const char* unit, std::vector<double>& values) {
     if (values.empty()) return;  // no columns: sides of another kind
     file.write<double>(beside + "/" + name, mesh.comm.root() ? values : std::vector<double>{}, 1,

@@ -12,9 +12,6 @@ namespace {
 
 // The `impl` arguments below are `auto` because Ground::Impl may be named by members only.
 
-// Corners in VTK's order, as bits x, y, z.
-constexpr std::array<int, 8> vtk_corner = {0, 1, 3, 2, 4, 5, 7, 6};
-
 // Points are all nodes that this rank holds; unused ghost nodes are harmless.
 void add_points(const auto& impl, const Nodal& velocity_everywhere,
                 const Nodal& acceleration_everywhere, io::Grid& grid) {
@@ -46,7 +43,8 @@ void add_cell(const Mesh& mesh, std::size_t element, io::Grid& grid) {
   }
   const Lattice& lattice = mesh.lattice;
   const std::int64_t faces = lattice.plane ? 2 : 1;
-  for (const int k : vtk_corner) {
+  for (const std::size_t at : vtk_corner) {
+    const int k = static_cast<int>(at);
     const int corner = lattice.plane ? (k & 1) | (k >> 2) << 1 : k;
     const std::int64_t face = lattice.plane ? k >> 1 & 1 : 0;
     grid.cells.push_back(mesh.corner(element, corner) * faces + face);
@@ -112,8 +110,8 @@ io::Grid Ground::fields() const {
   io::FieldData stress{"stress since settling, xx yy zz xy yz zx (Pa)", 6, {}};
   io::FieldData static_stress{"stress at rest, xx yy zz xy yz zx (Pa)", 6, {}},
       solid{"solid", 1, {}};
-  io::FieldData principals{"principal stresses, rest and since, largest first (Pa)", 3, {}};
-  io::FieldData shear{"largest shear stress, rest and since (Pa)", 1, {}};
+  io::FieldData principals{"principal stresses, total, largest first (Pa)", 3, {}};
+  io::FieldData shear{"largest shear stress, total (Pa)", 1, {}};
   for (std::size_t z = 0; z < mesh.element.size(); ++z) {
     if (!mesh.writes(z)) continue;
     add_cell(mesh, z, grid);

@@ -158,8 +158,8 @@ void check_wave(const SolidMesh& mesh, const GroundParameters& parameters, const
     };
     if (at.second == WaveEffect::dashpots)
       report(warnings,
-             "impedes the wave of ground.base_motion; a roller does not, if the wave moves "
-             "parallel to it; free-field sides are for layers only");
+             "impedes the wave of ground.base_motion; a roller does not, if the particle motion of "
+             "the wave is parallel to the face; free-field sides are for layers only");
     if (at.second == WaveEffect::gap)
       report(warnings,
              "is free and at an end of the mesh: there is no ground beside it that moves with the "

@@ -243,7 +243,7 @@ void Strength::declare(Section& s) {
            cohesion == common.cohesion && friction_angle == common.friction_angle &&
                dilation_angle == common.dilation_angle &&
                tensile_strength == common.tensile_strength,
-           "must be mohr_coulomb for cohesion, angles and tensile_strength to have an effect",
+           "must be \"mohr_coulomb\" for cohesion, angles and tensile_strength to have an effect",
            {.severity = input::Severity::warning});
     return;
   }
@@ -271,10 +271,11 @@ void Layer::declare(Section& s) {
   auto fixed = s.fixed_by(input::state::any);
   s.number("thickness", thickness,
            {.unit = "m", .at_least = 1e-4, .usually_from = 0.01, .usually_to = 200},
-           "Thickness of the layer; without `elements` its borders may be within elements.");
+           "Thickness of the layer; if `elements` is not given, the layer boundaries need not "
+           "coincide with element boundaries.");
   s.integer("elements", elements, {.at_least = 0, .at_most = 1e5},
-            "Number of elements over the thickness, for all layers or none; 0: the layer has the "
-            "elements of elements_z whose centres are in it.");
+            "Number of elements over the thickness, for all layers or none; 0: elements_z divides "
+            "the depth evenly, and the layer consists of the elements whose centres lie in it.");
   fixed.end();
   solid.declare(s);
   const auto fixed_strength = s.fixed_by(input::state::moved_ground);
@@ -315,12 +316,14 @@ bool GroundParameters::yields() const {
 void GroundParameters::declare_grading(Section& s) {
   const input::Limits ratio{.at_least = 1, .at_most = 2};
   s.number("ratio_x", ratio_x, ratio,
-           "Length ratio of each element to its neighbour towards fine_x; 1: equal lengths. "
-           "Unequal lengths along the track make explicit steps several times more expensive.");
+           "Length of each element divided by that of its neighbour on the side of fine_x; 1: "
+           "equal lengths. Unequal lengths along the track make explicit steps several times more "
+           "expensive.");
   s.number("fine_x", fine_x, {.unit = "m"},
            "Position of the shortest elements along the track (ratio_x).");
   s.number("ratio_y", ratio_y, ratio,
-           "Width ratio of each element to its neighbour towards fine_y; 1: equal widths.");
+           "Width of each element divided by that of its neighbour on the side of fine_y; 1: equal "
+           "widths.");
   s.number("fine_y", fine_y, {.unit = "m"},
            "Position of the narrowest elements across the track (ratio_y).");
   const auto inside = [&](const char* name, double ratio_of, double fine,
@@ -359,8 +362,8 @@ void GroundParameters::declare_shape(Section& s) {
            "Cross-sections of an embankment at positions along the track, linear between them and "
            "constant beyond; none: layers as wide as y.");
   s.integer("embankment_layers", embankment_layers, {.at_least = 0, .at_most = 1000},
-            "Number of layers, from the top down, that form the embankment (section); those below "
-            "are the natural ground on both sides.");
+            "Number of layers, from the top down, that form the embankment (section); the layers "
+            "below them are the natural ground, which also extends beside the embankment.");
   for (std::size_t l = 0; l < layers.size(); ++l) declare_height(*this, l, s);
   for (std::size_t b = 0; b < blocks.size(); ++b) declare_place(*this, b, s);
   for (std::size_t b = 0; b < blocks.size(); ++b) declare_width(*this, b, s);
@@ -392,8 +395,8 @@ void GroundParameters::declare_steps(Section& s) {
            "Newton iterations of yielding layers stop at 100 times this value.");
   s.integer("static_iterations", static_iterations, {.at_least = 1},
             "Number of iterations within which the out-of-balance force of the static solve must "
-            "halve (yielding layers); otherwise the solve stops, because it does not converge. "
-            "Near collapse, convergence takes some thousand iterations.");
+            "halve (yielding layers); otherwise the solve is abandoned as not converging. Near "
+            "collapse the whole solve may take 1000 iterations or more; then increase this value.");
 }
 
 void GroundParameters::declare_base(Section& s) {
@@ -403,11 +406,12 @@ void GroundParameters::declare_base(Section& s) {
            "absorb waves.");
   fixed.end();
   const auto fixed_springs = s.fixed_by(input::state::moved_viscous_base);
-  s.number("base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = -1},
-           "Stiffness of springs in parallel with the dashpots of a viscous base, representing the "
-           "ground below; below 0: shear modulus at the base over the depth of the ground; 0: no "
-           "springs, so that the ground sinks as long as it is loaded. With base_motion there are "
-           "no springs.");
+  s.number(
+      "base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = -1},
+      "Stiffness of springs in parallel with the dashpots of a viscous base, representing the "
+      "ground below; below 0: shear modulus at the base divided by the depth of the ground; "
+      "0: no springs, so that the ground sinks as long as it is loaded. With base_motion there "
+      "are no springs.");
   s.rule("base_stiffness", base_stiffness <= 0 || base_motion.empty(),
          "must be 0 or left out with base_motion: springs would oppose the motion of the base",
          {.reads = {"base_stiffness", "base_motion"}});

@@ -15,7 +15,6 @@ using input::Severity;
 
 namespace {
 
-constexpr double same_place = 1e-6;  // m
 // Every rank builds all of them redundantly, five tetrahedra each, with some 5 kB during set-up.
 constexpr double most_cells = 2e6;
 
@@ -37,10 +36,11 @@ void refuse_others(const GroundParameters& p, Section& s) {
             "neither level nor the same at both ends");
   }
   const bool half = p.y.size() == 2 && p.y[0] == 0;
-  without("side_y_low", !half || p.side(1, false) == Sides::roller,
-          "must be roller where y begins at 0: the axis of the embankment is a plane of symmetry");
+  without(
+      "side_y_low", !half || p.side(1, false) == Sides::roller,
+      "must be \"roller\" where y begins at 0: the axis of the embankment is a plane of symmetry");
   without("plane", p.plane == common.plane,
-          "has no effect with ground.section: an embankment is for models in space");
+          "has no effect with ground.section: an embankment is for three-dimensional models");
 }
 
 // Which layers are raised, and that each has rows of its own. The other checks need this.
@@ -55,7 +55,9 @@ bool declare_layers(const GroundParameters& p, Section& s) {
       of_shape);
   const bool rows = std::all_of(p.layers.begin(), p.layers.end(),
                                 [](const Layer& layer) { return layer.elements > 0; });
-  s.rule("layer", rows, "must all have `elements` with ground.section: slopes end at layer borders",
+  s.rule("layer", rows,
+         "must all have `elements` with ground.section: element boundaries must coincide with "
+         "layer boundaries, because the foot of the slope lies on a layer boundary",
          of_shape);
   const double cells = static_cast<double>(p.elements_x) * static_cast<double>(p.elements_y) *
                        static_cast<double>(p.elements_over_depth());
@@ -79,7 +81,7 @@ bool declare_order(const GroundParameters& p, Section& s) {
   return rises;
 }
 
-void declare_height(const GroundParameters& p, std::size_t number, Section& s) {
+void declare_section_height(const GroundParameters& p, std::size_t number, Section& s) {
   const CrossSection section = p.section_at(p.sections[number].x);
   const std::vector<double> thick = thicknesses(p, section);
   const auto thin = std::min_element(thick.begin(), thick.end());
@@ -87,8 +89,9 @@ void declare_height(const GroundParameters& p, std::size_t number, Section& s) {
   s.rule(fmt::format("section[{}].height", number), *thin > same_place,
          fmt::format(
              "gives layer[{1}] (\"{2}\") a thickness of {0:g} m, but it must be above 0: if the "
-             "height differs from the sum of the embankment layers, the lowest of them takes the "
-             "difference, and the lowest layer of the natural ground compensates for it",
+             "height differs from the sum of the embankment layers, the lowest embankment layer is "
+             "thickened or thinned by the difference, and the lowest natural layer by the opposite "
+             "amount, so that the base stays level",
              *thin, layer, p.layers[layer].name),
          of_shape);
 }
@@ -143,10 +146,10 @@ void declare_upright(const GroundParameters& p, const std::array<bool, 2>& ends,
     const bool common = (high ? p.side_y_high : p.side_y_low) == Sides::as_sides;
     const char* key = common ? "sides" : high ? "side_y_high" : "side_y_low";
     s.rule(key, common && named,
-           fmt::format("also applies to the vertical outside of the embankment of ground.section "
-                       "(x = {:g} to {:g} m), since the ground ends there; to make this outside "
-                       "free, give a slope above 0, or "
-                       "\"free\", leaves it free",
+           fmt::format("also applies to the vertical side faces of the embankment (x = {:g} to "
+                       "{:g} m), because the ground ends there; to leave these faces free, use a "
+                       "small slope (1e-4) or set \"free\" for these sides (side_y_low, "
+                       "side_y_high)",
                        from, to),
            {.severity = Severity::warning,
             .reads = {"section", "layer", "x", "y", "elements_x", key}});
@@ -206,8 +209,8 @@ void declare_places(const GroundParameters& p, std::size_t number, Section& s) {
   const bool on_edge = std::any_of(edges.begin(), edges.end(),
                                    [&](double edge) { return std::abs(edge - x) < same_place; });
   s.rule(fmt::format("section[{}].x", number), on_edge || x < edges.front() || x > edges.back(),
-         "is within a row of elements: kinks of the shape are at element borders only, so that the "
-         "kink at this section is cut off; use other elements_x",
+         "is not at an element boundary along x: the change of shape at this section is smoothed "
+         "over one element; change elements_x",
          {.severity = Severity::warning, .reads = of_shape.reads});
 }
 
@@ -219,11 +222,12 @@ void CrossSection::declare(Section& s) {
   s.number("crest", crest, {.unit = "m", .above = 0, .usually_from = 0.5, .usually_to = 50},
            "Half-width of the crest, from y = 0 to either side.");
   s.number("height", height, {.unit = "m", .at_least = 0, .usually_to = 50},
-           "Height of the crest above the natural ground; 0: sum of the layers of the embankment. "
-           "If the height differs from this sum, the lowest of these layers takes the difference.");
+           "Height of the crest above the natural ground; 0: sum of the embankment layers. If the "
+           "height differs from this sum, the lowest embankment layer is thickened or thinned by "
+           "the difference.");
   s.number("slope", slope, {.at_least = 0, .usually_to = 10},
-           "Slope of the sides, horizontal to vertical; 0: vertical, with the boundary conditions "
-           "side_y_low and side_y_high where y ends.");
+           "Slope of the sides, horizontal to vertical; 0: vertical faces. If y ends at vertical "
+           "faces, side_y_low and side_y_high (or `sides`) also apply to them.");
 }
 
 void GroundParameters::check_embankment(Section& s) const {
@@ -235,7 +239,7 @@ void GroundParameters::check_embankment(Section& s) const {
   refuse_others(*this, s);
   const bool whole = x.size() == 2 && y.size() == 2 && x[1] > x[0] && y[1] > y[0];
   if (!mesh.empty() || !whole || !declare_layers(*this, s) || !declare_order(*this, s)) return;
-  for (std::size_t i = 0; i < sections.size(); ++i) declare_height(*this, i, s);
+  for (std::size_t i = 0; i < sections.size(); ++i) declare_section_height(*this, i, s);
   for (std::size_t i = 0; i < sections.size(); ++i) declare_places(*this, i, s);
   declare_widths(*this, s);
 }

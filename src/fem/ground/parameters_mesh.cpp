@@ -48,7 +48,7 @@ void refuse_layers(const GroundParameters& p, Section& s) {
   without("side_x_high", p.side_x_high == common.side_x_high, borders);
   without("side_y_low", p.side_y_low == common.side_y_low, borders);
   without("side_y_high", p.side_y_high == common.side_y_high, borders);
-  without("plane", p.plane == common.plane, "a mesh is for models in space");
+  without("plane", p.plane == common.plane, "a mesh is for three-dimensional models");
   without("x", p.x == common.x, shape);
   without("y", p.y == common.y, shape);
   without("elements_x", p.elements_x == common.elements_x, shape);

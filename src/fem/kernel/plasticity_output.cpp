@@ -93,7 +93,7 @@ std::vector<double> Plasticity::stored(const Nodal& u0, const Nodal& u) const {
 void Plasticity::list(const Visit& visit) {
   visit("plastic/strain", "-", "all plastic strain at the Gauss points, component by component",
         width_, strain_);
-  visit("plastic/static", "-", "that in static equilibrium", width_, static_strain_);
+  visit("plastic/static", "-", "plastic strain in static equilibrium", width_, static_strain_);
   visit("plastic/work", "J", "dissipated by yielding of the element", 1, work_);
   if (tetrahedra_ != nullptr)
     visit("plastic/opened", "-", "1 if the element has opened since static equilibrium", 1,

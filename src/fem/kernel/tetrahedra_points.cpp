@@ -9,7 +9,7 @@ namespace {
 constexpr int place[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 
 using ByXi = Eigen::Matrix<double, 10, 3>;
-const std::array<ByXi, tetrahedron_points>& gradients() {
+const std::array<ByXi, tetrahedron_points>& point_gradients() {
   static const auto all = [] {
     std::array<ByXi, tetrahedron_points> made;
     for (int g = 0; g < tetrahedron_points; ++g)
@@ -32,7 +32,7 @@ void Tetrahedra::stress(std::size_t number, const Nodal& u0, const Nodal& u, Poi
       for (int c = 0; c < 3; ++c) from[c][k][lane] = u0[c][node] + u[c][node];
     }
   for (int g = 0; g < tetrahedron_points; ++g) {
-    const ByXi& n = gradients()[static_cast<std::size_t>(g)];
+    const ByXi& n = point_gradients()[static_cast<std::size_t>(g)];
     Lane by[3][3];  // du_c / dx_j
     for (int c = 0; c < 3; ++c) {
       Lane h[3] = {};
@@ -63,7 +63,7 @@ void Tetrahedra::take_off(std::size_t number, const Points& stress,
   const Group& group = groups_[number];
   Lane to[3][10] = {};
   for (int g = 0; g < tetrahedron_points; ++g) {
-    const ByXi& n = gradients()[static_cast<std::size_t>(g)];
+    const ByXi& n = point_gradients()[static_cast<std::size_t>(g)];
     for (int c = 0; c < 3; ++c) {
       Lane by_xi[3];
       for (int a = 0; a < 3; ++a)
@@ -91,7 +91,7 @@ ElementPoints Tetrahedra::points(std::size_t element) const {
   found.relief = Eigen::MatrixXd::Zero(6 * tetrahedron_points, 6 * tetrahedron_points);
   for (int g = 0; g < tetrahedron_points; ++g) {
     const Mat3 j = tetrahedron_jacobian(nodes, tetrahedron_point(g));
-    const ByXi n = gradients()[static_cast<std::size_t>(g)] * j.inverse();
+    const ByXi n = point_gradients()[static_cast<std::size_t>(g)] * j.inverse();
     found.volume[g] = tetrahedron_weight * j.determinant();
     Eigen::Matrix<double, 6, 30> strain = Eigen::Matrix<double, 6, 30>::Zero();
     for (int k = 0; k < 10; ++k)

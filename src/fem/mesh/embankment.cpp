@@ -12,9 +12,6 @@ namespace trackbed::fem {
 
 namespace {
 
-// m: if the foot is within this distance of the side of the ground, the ground ends at the foot.
-constexpr double same_place = 1e-6;
-
 // The border of columns nearest to a position; of two the one nearer to the axis, so that both feet
 // have theirs at the same distance.
 std::int64_t nearest(const std::vector<double>& edges, double place) {

@@ -8,6 +8,12 @@
 
 namespace trackbed::fem {
 
+// An element some 2000 times as wide as high: no layer of a ground, but a file with a wrong scale
+// in one direction, and explicit steps would be as short.
+constexpr double least_mean_ratio = 0.005;
+// m, between places that are meant to be one: the ground ends at a foot this near to its side.
+constexpr double same_place = 1e-6;
+
 // Cells are numbered as in the lattice of layers: x fastest, z from the bottom up; rows above the
 // natural ground contain only cells between the two feet. Columns between the feet are as wide as
 // the section there, so slopes are sides of cells; columns beside it are vertical.

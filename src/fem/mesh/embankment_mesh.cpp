@@ -18,9 +18,6 @@ namespace trackbed::fem {
 
 namespace {
 
-// The same limit as for mesh files.
-constexpr double least_mean_ratio = 0.005;
-
 // Corners of a cell: bits are x, y, z. For cells with an even sum of indices; cells with an odd sum
 // use the opposite corners along x.
 constexpr std::array<std::array<int, 4>, 5> parts = {

@@ -16,9 +16,10 @@ bool has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// Suggestion of a name.
-std::string instead_of(const std::string& name, const std::vector<std::string>& names) {
-  if (names.empty()) return "there is none";
+// Suggestion of a name; `none`: if there are no names.
+std::string instead_of(const std::string& name, const std::vector<std::string>& names,
+                       const std::string& none) {
+  if (names.empty()) return none;
   const std::string near = input::nearest(name, names);
   return near.empty() ? fmt::format("known names: {}", fmt::join(names, ", "))
                       : fmt::format("did you mean {}?", near);
@@ -64,12 +65,14 @@ void MeshProblems::match(int dimension, const std::vector<std::string>& wanted, 
     if (group.dimension == dimension) there.push_back(group.name);
   for (const std::string& name : there)
     if (!has(wanted, name))
-      add("group " + name, fmt::format("{}: the {} \"{}\" has no {} of that name; {}", file_.path,
-                                       what, name, table, instead_of(name, wanted)));
+      add("group " + name,
+          fmt::format("{}: the {} \"{}\" has no {} of that name; {}", file_.path, what, name, table,
+                      instead_of(name, wanted, fmt::format("the deck defines no {}", table))));
   for (const std::string& name : wanted)
     if (!has(there, name))
-      add("wanted " + name, fmt::format("{}: has no {} \"{}\", which the deck names; {}",
-                                        file_.path, what, name, instead_of(name, there)));
+      add("wanted " + name,
+          fmt::format("{}: has no {} \"{}\", which the deck names; {}", file_.path, what, name,
+                      instead_of(name, there, fmt::format("the file contains no {}", what))));
 }
 
 void MeshProblems::check_groups(const GroundParameters& parameters) {

@@ -18,10 +18,6 @@ namespace trackbed::fem {
 
 namespace {
 
-// An element some 2000 times as wide as high: no layer of a ground, but a file with a wrong scale
-// in one direction, and explicit steps would be as short.
-constexpr double least_mean_ratio = 0.005;
-
 using Nodes3 = std::array<std::int32_t, 3>;
 
 // A face of an element by its corners, sorted.

@@ -17,6 +17,9 @@
 
 namespace trackbed::fem {
 
+// Corners of a brick, as bits x, y, z, in the order of VTK.
+constexpr std::array<std::size_t, 8> vtk_corner = {0, 1, 3, 2, 4, 5, 7, 6};
+
 // Corner k is at xi = +1 if bit 0 of k is set (else -1), eta: bit 1, zeta: bit 2.
 using Corners = std::array<Vec3, 8>;
 // Order xx yy zz xy yz zx with engineering shear strains.

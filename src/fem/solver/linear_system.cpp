@@ -134,7 +134,7 @@ void LinearSystem::Handles::assemble(const Spec& spec) {
     }
   check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY), "assemble a matrix");
   check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY), "assemble a matrix");
-  check(MatSetOption(matrix, MAT_SPD, PETSC_TRUE), "mark a matrix");
+  check(MatSetOption(matrix, MAT_SPD, PETSC_TRUE), "declare a matrix positive definite");
 }
 
 // Translations and rotations, the near null space of an elastic solid. Smoothed aggregation needs
@@ -257,10 +257,10 @@ int LinearSystem::Handles::outcome(KSP of) {
                     iterations, KSPConvergedReasons[reason],
                     reason == KSP_DIVERGED_ITS
                         ? "poisson near 0.5 and solids of very unequal stiffness need many "
-                          "iterations: use a direct solver by the options -ground_ksp_type preonly "
-                          "-ground_pc_type cholesky -ground_pc_factor_mat_solver_type mumps after "
-                          "--, or allow more iterations by -ground_ksp_max_it"
-                        : "try other solver options after --"));
+                          "iterations; allow more iterations (after `--`: -ground_ksp_max_it N) or "
+                          "use a direct solver (after `--`: -ground_ksp_type preonly "
+                          "-ground_pc_type cholesky -ground_pc_factor_mat_solver_type mumps)"
+                        : "try other solver options (after `--`)"));
   return static_cast<int>(iterations);
 }
 

@@ -59,7 +59,7 @@ void LinearSystem::Handles::make_product() {
   check(MatSetBlockSize(product, components), "size a matrix");
   check(MatShellSetOperation(product, MATOP_MULT, reinterpret_cast<void (*)()>(multiply_shell)),
         "create a matrix");
-  check(MatSetOption(product, MAT_SPD, PETSC_TRUE), "mark a matrix");
+  check(MatSetOption(product, MAT_SPD, PETSC_TRUE), "declare a matrix positive definite");
   list_rows();
 }
 

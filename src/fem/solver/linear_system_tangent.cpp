@@ -31,9 +31,9 @@ void LinearSystem::Handles::make_tangent() {
   check(MatDuplicate(matrix, MAT_SHARE_NONZERO_PATTERN, tangent.create()), "copy a matrix");
   check(KSPCreate(par::mpi(mesh.comm), tangent_solver.create()), "create a solver");
   check(KSPSetOptionsPrefix(tangent_solver, "ground_tangent_"), "name a solver");
-  check(KSPSetType(tangent_solver, KSPGMRES), "type a solver");
+  check(KSPSetType(tangent_solver, KSPGMRES), "set the type of a solver");
   check(KSPGMRESSetRestart(tangent_solver, kept), "set the restart");
-  check(KSPSetPCSide(tangent_solver, PC_RIGHT), "set a side");
+  check(KSPSetPCSide(tangent_solver, PC_RIGHT), "set the side of a preconditioner");
   check(KSPSetTolerances(tangent_solver, PETSC_DEFAULT, 0, PETSC_DEFAULT, most),
         "set the tolerance");
   PC shell = nullptr, elastic = nullptr;
@@ -61,7 +61,7 @@ void LinearSystem::Handles::make_direct() {
   if (direct != nullptr) return;
   check(KSPCreate(par::mpi(mesh.comm), direct.create()), "create a solver");
   check(KSPSetOptionsPrefix(direct, "ground_tangent_direct_"), "name a solver");
-  check(KSPSetType(direct, KSPPREONLY), "type a solver");
+  check(KSPSetType(direct, KSPPREONLY), "set the type of a solver");
   PC factors = nullptr;
   check(KSPGetPC(direct, &factors), "get the preconditioner");
   check(PCSetType(factors, PCLU), "set the type of a preconditioner");

@@ -18,7 +18,7 @@ class BaseMotion {
   // every rank reads it.
   explicit BaseMotion(const std::string& path);
 
-  // m/s at `time` (s) since the ground was released: linear between rows, 0 before and after them.
+  // m/s at `time` (s) since the ground started to move: linear between rows, 0 before and after.
   Vec3 at(double time) const;
   double fastest() const;      // m/s, of the rows
   bool moves(int axis) const;  // whether there is motion along x (0) or z (2)

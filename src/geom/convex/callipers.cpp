@@ -21,7 +21,7 @@ namespace trackbed::geom {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 struct Width {

@@ -9,12 +9,11 @@
 #include <stdexcept>
 
 #include "geom/convex/hull.hpp"
+#include "geom/convex/refusal.hpp"
 
 namespace trackbed::geom {
 
 namespace {
-
-[[noreturn]] void refuse(const char* reason) { throw std::invalid_argument(reason); }
 
 // Twice the area times the normal of a closed loop (Newell): all corners count, so a corner
 // slightly off the plane has little effect. Its direction is the outward normal if the loop is

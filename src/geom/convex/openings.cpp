@@ -20,7 +20,7 @@ namespace trackbed::geom {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // The width of a union of balls along a direction is that of its hull; the swept hull of corners
 // has the same, so rounded pieces need no faces here.

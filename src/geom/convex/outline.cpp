@@ -29,15 +29,15 @@ double largest_extent(const Polygon& polygon) {
   return largest;
 }
 
-struct Width {
+struct LeastWidth {
   double value = std::numeric_limits<double>::infinity();
   Point direction = Point::Zero();
 };
 
 // The smallest width of a convex polygon is reached across one of its edges (Houle, Toussaint 1988,
 // doi:10.1109/34.6790). All edges against all corners: outlines have a dozen of them.
-Width width_of(const Polygon& polygon) {
-  Width smallest;
+LeastWidth width_of(const Polygon& polygon) {
+  LeastWidth smallest;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Point edge = polygon[(i + 1) % polygon.size()] - polygon[i];
     const Point inward = Point(-edge.y(), edge.x()).normalized();
@@ -73,7 +73,7 @@ void stretch(Polygon& polygon, double elongation) {
   constexpr int passes = 100;
   constexpr double close = 1e-12;
   for (int pass = 0; pass < passes; ++pass) {
-    const Width width = width_of(polygon);
+    const LeastWidth width = width_of(polygon);
     const double factor = elongation * largest_extent(polygon) / width.value;
     if (std::abs(factor - 1) < close) return;
     for (Point& p : polygon) p += (factor - 1) * width.direction.dot(p) * width.direction;

@@ -24,6 +24,7 @@
 #include <algorithm>
 
 #include "geom/convex/hull.hpp"
+#include "geom/convex/refusal.hpp"
 #include "geom/mesh/soup.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/geom/mesh.hpp"
@@ -43,8 +44,6 @@ constexpr double speck = 0.01;  // of the surface
 constexpr double hole = 0.3;  // perimeter, of the extent
 
 // Reason why a mesh cannot be used; the caller adds its name.
-[[noreturn]] void refuse(const std::string& reason) { throw std::invalid_argument(reason); }
-
 // Also catches a wrong `unit`, and keeps cubes of lengths far from overflow.
 void scale(std::vector<Vec3>& points, double unit) {
   constexpr double largest = 1e6;  // m
@@ -115,9 +114,10 @@ void close_holes(Surface& surface, double extent, std::vector<std::string>& repa
     const double length = pmp::face_border_length(border, surface);
     if (length > hole * extent)
       refuse(
-          fmt::format("the mesh is not closed: a hole has a border of {:.3g} m; only borders up to "
-                      "{:g} of the extent of the mesh (extent: {:.3g} m) are closed",
-                      length, hole, extent));
+          fmt::format("the mesh is not closed: a hole has a border of {:.3g} m; the program fills "
+                      "only holes with a border of at most {:.3g} m ({:g} times the extent of the "
+                      "mesh)",
+                      length, hole * extent, hole));
     std::vector<Surface::Face_index> patch;
     pmp::triangulate_hole(surface, border, std::back_inserter(patch));
     if (patch.empty()) refuse("the mesh is not closed, and a hole cannot be filled");

@@ -8,13 +8,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "geom/convex/refusal.hpp"
 #include "geom/mesh/soup.hpp"
 
 namespace trackbed::geom {
 
 namespace {
-
-[[noreturn]] void refuse(const char* reason) { throw std::invalid_argument(reason); }
 
 enum class Number { i8, u8, i16, u16, i32, u32, f32, f64 };
 

@@ -13,11 +13,11 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "geom/convex/refusal.hpp"
+
 namespace trackbed::geom {
 
 namespace {
-
-[[noreturn]] void refuse(const std::string& reason) { throw std::invalid_argument(reason); }
 
 // `word` of a face is v, v/vt, v//vn or v/vt/vn; negative numbers count from the end. Only vertices
 // above the line can be referred to, so that negative numbers are well defined.

@@ -26,7 +26,7 @@ namespace trackbed::geom {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // Numbers in [0, 1) that depend on the seed and the order of calls.
 class Draw {

@@ -19,7 +19,7 @@ namespace trackbed::geom {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Mat3 twice_symmetric(const Vec3& a, const Vec3& b) { return a * b.transpose() + b * a.transpose(); }
 

@@ -12,7 +12,7 @@ namespace trackbed::geom {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // Positive root of volume x^3 + area r x^2 + bend r^2 x + ball = volume, whose left side grows with
 // x. The core is scaled by x, which scales the terms of Steiner's formula by x^3, x^2 and x; the

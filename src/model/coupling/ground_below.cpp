@@ -25,6 +25,7 @@
 #include <map>
 
 #include "trackbed/core/hash.hpp"
+#include "trackbed/core/ratio.hpp"
 #include "trackbed/core/whole_steps.hpp"
 #include "trackbed/model/footing.hpp"
 
@@ -37,8 +38,6 @@ using Json = nlohmann::ordered_json;
 // Ranges of exact sums, beyond any physical value.
 constexpr double largest_height = 1e3, largest_rate = 1e5;  // m, m/s
 constexpr double largest_work = 1e8;                        // J
-
-double ratio(double above, double below) { return below > 0 ? above / below : 0; }
 
 }  // namespace
 
@@ -349,22 +348,27 @@ std::uint64_t GroundBelow::state_hash() const {
 void GroundBelow::archive(io::Archive& a) {
   a.part("ground", ground_);
   io::Archive own = a.group("footing");
-  own.rows("force", force_,
-           {"N",
-            "force of the ballast of each sleeper on the ground, down positive; on two rails of "
-            "each end, left before right"});
-  if (implicit()) own.rows("force_before", force_before_, {"N", "the same one step earlier"});
-  own("work", work_, {"J", "work on the ground up to now"});
-  own("work_magnitude", all_work_, {"J", "sum of its magnitudes"});
+  own.rows(
+      "force", force_,
+      {"N",
+       "force of the ballast of each sleeper on the ground, down positive; with two rails: for "
+       "each sleeper end, left first"});
+  if (implicit())
+    own.rows("force_before", force_before_, {"N", "force of the ballast one step earlier"});
+  own("work", work_, {"J", "work done on the ground up to now"});
+  own("work_magnitude", all_work_, {"J", "sum of the magnitudes of the work of all steps"});
   FineSum nodes = work_of_nodes();
   own("node_work/quanta", nodes.counts()[0],
-      {"-", "work on the ground by its nodes up to now, quanta of an exact sum"});
-  own("node_work/fine_quanta", nodes.counts()[1], {"-", "its remainder, in smaller quanta"});
+      {"-", "work done on the ground, summed over its nodes, up to now, quanta of an exact sum"});
+  own("node_work/fine_quanta", nodes.counts()[1],
+      {"-", "remainder of node_work/quanta, in smaller quanta"});
   own("balance/force", force_off_, {"-", "largest relative imbalance of force"});
-  own("balance/moment", moment_off_[0], {"-", "the same of the moment about y"});
-  own("balance/roll_moment", moment_off_[1], {"-", "the same of the moment about x; two rails"});
+  own("balance/moment", moment_off_[0], {"-", "largest relative imbalance of the moment about y"});
+  own("balance/roll_moment", moment_off_[1],
+      {"-", "largest relative imbalance of the moment about x; two rails"});
   own("balance/height", height_off_, {"m", "largest imbalance of height; implicit steps"});
-  own("largest_height", most_height_, {"m", "of the ground below a sleeper; implicit steps"});
+  own("largest_height", most_height_,
+      {"m", "largest displacement of the ground below a sleeper; implicit steps"});
   if (!a.reads()) return;
   node_work_ = comm_.root() ? nodes : FineSum(largest_work);
   footprints_.add_forces(force_, load_);

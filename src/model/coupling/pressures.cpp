@@ -42,7 +42,8 @@ void PressureParameters::declare(input::Section& s) {
            "rise: half a cosine over the duration, then constant (0: a step); pulse: a haversine "
            "of that duration; harmonic: a sine; table: from the file.");
   s.number("begin", begin, {.unit = "s", .at_least = 0},
-           "Start time of rise, pulse and harmonic. Times count from the release of the ground.");
+           "Start time of rise, pulse and harmonic. Times count from the start of the ground's "
+           "motion.");
   s.number("duration", duration, {.unit = "s", .at_least = 0}, "Duration of rise and pulse.");
   s.number("frequency", frequency, {.unit = "Hz", .at_least = 0, .usually_to = 1000},
            "Frequency of the sine (harmonic).");

@@ -13,13 +13,15 @@ struct Column {
 
 const Column columns[] = {
     {"time", &StageRecord::time, {"s", "end of each finished stage"}},
-    {"duration", &StageRecord::duration, {"s", "its simulated time"}},
-    {"window", &StageRecord::window, {"s", "its windows"}},
+    {"duration", &StageRecord::duration, {"s", "simulated time of each stage"}},
+    {"window", &StageRecord::window, {"s", "length of a window"}},
     {"substeps", &StageRecord::substeps, {"-", "sub-steps in a window"}},
-    {"particles", &StageRecord::particles, {"-", "at its end"}},
-    {"bulk_density", &StageRecord::bulk_density, {"kg/m^3", "at its end; 0: not defined"}},
-    {"wall_time", &StageRecord::wall_time, {"s", "wall time it took"}},
-    {"aim", &StageRecord::aim, {"-", "0: it has none, 1: missed, 2: reached"}},
+    {"particles", &StageRecord::particles, {"-", "at the end of each stage"}},
+    {"bulk_density",
+     &StageRecord::bulk_density,
+     {"kg/m^3", "at the end of each stage; 0: not defined"}},
+    {"wall_time", &StageRecord::wall_time, {"s", "wall time of each stage"}},
+    {"aim", &StageRecord::aim, {"-", "0: the stage has no aim, 1: missed, 2: reached"}},
     {"platen_pressure", &StageRecord::platen_pressure, {"Pa", "mean; below 0: no platen"}},
     {"settlement", &StageRecord::settlement, {"m", "in the last cycle; below 0: no cycles"}}};
 
@@ -43,7 +45,7 @@ void Course::archive(io::Archive& a) {
   double start = clock.start();
   std::int64_t window = clock.window(), all = clock.windows();
   a("stage", stage, {"-", "present stage, counted from 0"});
-  a("stage_has_begun", begun, {"-", "1: it has begun; 0: it is finished"});
+  a("stage_has_begun", begun, {"-", "1: the stage has begun; 0: it is finished"});
   a("stage_start", start, {"s", "start of the stage"});
   a("window", steps.window, {"s", "length of a window"});
   a("substeps", steps.substeps, {"-", "sub-steps in a window"});

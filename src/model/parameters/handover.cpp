@@ -37,26 +37,30 @@ void declare_handover(const Model& model, input::Section& s) {
          {.reads = {"handover", "stage"}});
   s.rule("handover.after", model.has_train(), "needs a stage with train = true",
          {.reads = {"handover", "stage"}});
-  s.rule("irregularity.kind", model.track.irregularity.kind == track::IrregularityKind::none,
-         "must be none in a deck with [handover]: the loop derives the geometry of the rails from "
-         "the settlement",
-         {.reads = {"handover", "irregularity"}});
+  s.rule(
+      "irregularity.kind", model.track.irregularity.kind == track::IrregularityKind::none,
+      "must be \"none\" in a deck with [handover]: the loop derives the geometry of the rails from "
+      "the settlement",
+      {.reads = {"handover", "irregularity"}});
   if (model.track.line.track.dimension == Dimension::plane) return;
   const track::IrregularityKind right = model.track.irregularity_right.kind;
-  s.rule("irregularity_right.kind",
-         right == track::IrregularityKind::none || right == track::IrregularityKind::same,
-         "must be none in a deck with [handover]: the loop derives the geometry of the rails from "
-         "the settlement",
-         {.reads = {"handover", "irregularity_right"}});
-  s.rule("sleepers.model", model.sleepers.model == track::SleeperBody::rigid,
-         "must be rigid in a deck with [handover] and two rails: tables of seat loads load both "
-         "seats of solid sleepers equally",
-         {.reads = {"handover", "track", "sleepers"}});
+  s.rule(
+      "irregularity_right.kind",
+      right == track::IrregularityKind::none || right == track::IrregularityKind::same,
+      "must be \"none\" in a deck with [handover]: the loop derives the geometry of the rails from "
+      "the settlement",
+      {.reads = {"handover", "irregularity_right"}});
+  s.rule(
+      "sleepers.model", model.sleepers.model == track::SleeperBody::rigid,
+      "must be \"rigid\" in a deck with [handover] and two rails: tables of seat loads load both "
+      "seats of solid sleepers equally",
+      {.reads = {"handover", "track", "sleepers"}});
   const auto& free = model.sleepers.free;
-  s.rule("sleepers.free", std::find(free.begin(), free.end(), "rx") != free.end(),
-         "must contain rx in a deck with [handover] and two rails: the loop derives the geometry "
-         "of the rails from the settlement of both ends of the sleepers",
-         {.reads = {"handover", "track", "sleepers"}});
+  s.rule(
+      "sleepers.free", std::find(free.begin(), free.end(), "rx") != free.end(),
+      "must contain \"rx\" in a deck with [handover] and two rails: the loop derives the geometry "
+      "of the rails from the settlement of both ends of the sleepers",
+      {.reads = {"handover", "track", "sleepers"}});
 }
 
 }  // namespace trackbed::model

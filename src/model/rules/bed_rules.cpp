@@ -32,12 +32,12 @@ std::string instead_of(const std::string& name, const std::vector<std::string>& 
 std::string misfit(const bed::LayerParameters& layer, Dimension dimension) {
   using enum bed::StoneKind;
   if (dimension == Dimension::space)
-    return layer.stone == pebbles ? "makes plane stones, which need dimension = \"plane\"" : "";
+    return layer.stone == pebbles ? "gives plane stones, which need dimension = \"plane\"" : "";
   const bool plane = layer.stone == pebbles || layer.stone == disk ||
                      (layer.stone == clump && !layer.clump.empty());
   return plane ? ""
-               : "makes stones in space: a plane model allows disk, pebbles, and clump with the "
-                 "spheres given in `clump`";
+               : "gives three-dimensional stones: a plane model allows disk, pebbles, and clump "
+                 "with the spheres given in `clump`";
 }
 
 }  // namespace

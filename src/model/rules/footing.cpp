@@ -13,8 +13,6 @@ namespace trackbed::model {
 
 namespace {
 
-constexpr double rounding = 1e-9;  // m, of borders that are meant to coincide
-
 bool is_plane(const Model& model) { return model.dimension == Dimension::plane; }
 bool two_rails(const Model& model) { return model.track.line.track.dimension == Dimension::space; }
 
@@ -29,7 +27,7 @@ void declare_kind(const Model& model, input::Section& s) {
   const fem::GroundParameters& ground = model.ground;
   const bool newmark = ground.integrator == fem::Integrator::newmark;
   s.rule("ground.integrator", newmark || ground.integrator == fem::Integrator::explicit_,
-         "must be explicit or newmark below a track: the track is integrated with average "
+         "must be \"explicit\" or \"newmark\" below a track: the track is integrated with average "
          "acceleration, and its coupling with other integrators can gain energy",
          about);
   s.rule("ground.newmark_beta",
@@ -49,23 +47,23 @@ void declare_track(const Model& model, input::Section& s) {
   const FootingParameters& footing = model.footing;
   const input::About about{.reads = {"track", "footing", "model"}};
   s.rule("track.support", track.support == track::Support::sleepers,
-         "must be sleepers: the ground is below the ballast of sleepers", about);
+         "must be \"sleepers\": the ground is below the ballast of sleepers", about);
   const bool hangs = std::any_of(track.zones.begin(), track.zones.end(),
                                  [](const track::TrackZone& zone) { return zone.gap > 0; });
   s.rule("track.sleeper.model", !hangs || track.sleeper.model == track::SleeperModel::rigid,
-         "must be rigid on a ground with hanging sleepers (gap of a track.zone)", about);
+         "must be \"rigid\" on a ground with hanging sleepers (gap of a track.zone)", about);
   s.rule("pad.uplift", !model.track.line.pad.uplift,
          "must be false on a ground: the rail can lift off its pads only on a track alone (model = "
          "\"track\")",
          {.reads = {"pad", "model"}});
   const double first = static_cast<double>(footing.before) * track.spacing;
   const double last = first + static_cast<double>(footing.count - 1) * track.spacing;
-  s.rule("footing.before", first >= track.run_in - rounding,
+  s.rule("footing.before", first >= track.run_in - same_length,
          fmt::format("the first sleeper on the ground is at {:g} m from the start of the track, "
                      "within the run-in of {:g} m",
                      first, track.run_in),
          about);
-  s.rule("footing.count", last <= track.length - track.run_in + rounding,
+  s.rule("footing.count", last <= track.length - track.run_in + same_length,
          fmt::format("the last sleeper on the ground is at {0:g} m from the start of the track; it "
                      "must be before the run-out, the last {2:g} m of the {1:g} m of track",
                      last, track.length, track.run_in),
@@ -80,13 +78,14 @@ void declare_two_rails(const Model& model, input::Section& s) {
   if (!two_rails(model)) return;
   const FootingParameters& footing = model.footing;
   const double length = model.track.line.track.sleeper_length;
-  s.rule("track.dimension", !is_plane(model),
-         "must be plane on a plane ground: two rails need a ground in space (dimension)",
-         {.reads = {"track", "dimension", "model"}});
+  s.rule(
+      "track.dimension", !is_plane(model),
+      "must be \"plane\" on a plane ground: two rails need a three-dimensional ground (dimension)",
+      {.reads = {"track", "dimension", "model"}});
   s.rule("footing.rails", footing.rails == 2,
          "must be 2 below two rails (track.dimension = \"space\"): the ground carries both",
          {.reads = {"track", "footing"}});
-  s.rule("footing.length", is_plane(model) || footing.length >= length - rounding,
+  s.rule("footing.length", is_plane(model) || footing.length >= length - same_length,
          fmt::format("is less than a sleeper's length (track.sleeper_length = {:g} m): below two "
                      "rails whole sleepers load the ground, through ballast that spreads the load",
                      length),
@@ -103,7 +102,7 @@ std::array<double, 2> extent_of(const Model& model) {
 // Footprints may overlap, since ballast spreads loads, but most often the width is wrong.
 void declare_overlap(const Model& model, input::Section& s) {
   const double spacing = model.track.line.track.spacing;
-  s.rule("footing.width", model.footing.count < 2 || model.footing.width <= spacing + rounding,
+  s.rule("footing.width", model.footing.count < 2 || model.footing.width <= spacing + same_length,
          fmt::format(
              "is more than track.spacing ({:g} m): footprints of neighbouring sleepers overlap",
              spacing),
@@ -118,8 +117,8 @@ void declare_along(const Model& model, const input::About& about, input::Section
   const auto [from, to] = extent_of(model);
   const double spacing = model.track.line.track.spacing;
   const double space = std::min(from - x[0], x[1] - to) + footing.width / 2;
-  const bool width = footing.width > spacing && space >= spacing / 2 - rounding;
-  s.rule("footing.width", !width || footing.width / 2 <= space + rounding,
+  const bool width = footing.width > spacing && space >= spacing / 2 - same_length;
+  s.rule("footing.width", !width || footing.width / 2 <= space + same_length,
          fmt::format(
              "puts footprints from x = {:g} to {:g} m, beyond the ground (ground.x: {:g} to {:g} "
              "m): from the middle of an outermost sleeper to the end of the ground there are only "
@@ -127,12 +126,12 @@ void declare_along(const Model& model, const input::About& about, input::Section
              from, to, x[0], x[1], space),
          about);
   s.rule(
-      "footing.first", width || from >= x[0] - rounding,
+      "footing.first", width || from >= x[0] - same_length,
       fmt::format(
           "the first footprint begins at x = {:g} m, beyond the ground (ground.x: {:g} to {:g} m)",
           from, x[0], x[1]),
       about);
-  s.rule("footing.count", width || to <= x[1] + rounding,
+  s.rule("footing.count", width || to <= x[1] + same_length,
          fmt::format(
              "the last footprint ends at x = {:g} m, beyond the ground (ground.x: {:g} to {:g} m)",
              to, x[0], x[1]),
@@ -144,8 +143,9 @@ void declare_along(const Model& model, const input::About& about, input::Section
 void declare_across(const FootingParameters& footing, double low, double high,
                     const std::string& where, const input::About& about, input::Section& s) {
   const double from = footing.y - footing.length / 2, to = footing.y + footing.length / 2;
-  const bool fits = footing.length <= high - low + rounding;
-  s.rule(fits ? "footing.y" : "footing.length", from >= low - rounding && to <= high + rounding,
+  const bool fits = footing.length <= high - low + same_length;
+  s.rule(fits ? "footing.y" : "footing.length",
+         from >= low - same_length && to <= high + same_length,
          fmt::format("puts footprints from y = {:g} to {:g} m, beyond {}; see also footing.{}",
                      from, to, where, fits ? "length" : "y"),
          about);
@@ -158,7 +158,9 @@ void declare_place(const Model& model, input::Section& s) {
   if (ground.x.size() != 2 || ground.y.size() != 2) return;  // reported by another rule
   declare_along(model, about, s);
   s.rule("dimension", !is_plane(model) || !ground.of_tetrahedra(),
-         "must be space on a ground of tetrahedra (ground.mesh, ground.section)", about);
+         "must be \"space\": a ground of tetrahedra is three-dimensional (ground.mesh, "
+         "ground.section)",
+         about);
   if (is_plane(model)) {
     const FootingParameters none;
     s.rule("footing.length", footing.length == none.length && footing.y == none.y,

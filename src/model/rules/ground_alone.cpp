@@ -14,8 +14,6 @@ namespace trackbed::model {
 
 namespace {
 
-constexpr double rounding = 1e-9;  // m
-
 // m, range in x that a moving rectangle covers during the run.
 std::array<double, 2> covered_range(const Model& model, const PressureParameters& p) {
   const double travel = p.speed * model.duration();
@@ -32,7 +30,7 @@ struct Misplaced {
 Misplaced misplaced(const Model& model, const PressureParameters& p, const std::vector<double>& x,
                     const std::vector<double>& y) {
   const auto outside = [](const auto& inner, const std::vector<double>& outer) {
-    return inner[0] < outer[0] - rounding || inner[1] > outer[1] + rounding;
+    return inner[0] < outer[0] - same_length || inner[1] > outer[1] + same_length;
   };
   if (p.speed == 0 && outside(p.x, x))
     return {"x", fmt::format("reaches beyond the top of the ground ({:g} to {:g} m)", x[0], x[1])};
@@ -131,7 +129,7 @@ void declare_stages_alone(const Model& model, input::Section& s) {
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     const std::string key = fmt::format("stage[{}].", i);
     s.rule(key + "kind", model.stages[i].kind == StageKind::run,
-           "must be run: a ground alone has no other kind of stage", {.reads = {key + "kind"}});
+           "must be \"run\": a ground alone has no other kind of stage", {.reads = {key + "kind"}});
     s.rule(key + "ground_moves", model.stages[i].ground_moves,
            "must be true: nothing else moves in a model of kind ground",
            {.reads = {key + "ground_moves"}});
@@ -145,7 +143,8 @@ void declare_stages_alone(const Model& model, input::Section& s) {
   declare_ground_yields(model, s);
   declare_steps(model, s);
   s.rule("dimension", model.dimension == Dimension::space || !model.ground.of_tetrahedra(),
-         "must be space for a ground of tetrahedra (ground.mesh, ground.section)",
+         "must be \"space\": a ground of tetrahedra is three-dimensional (ground.mesh, "
+         "ground.section)",
          {.reads = {"dimension", "ground"}});
   const bool loaded = std::any_of(model.pressures.begin(), model.pressures.end(),
                                   [](const auto& p) { return p.course != PressureCourse::dead; });

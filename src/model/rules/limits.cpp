@@ -82,7 +82,7 @@ CouplingLimit limit_of_top(const Model& model) {
   const double mass = density * narrowest(ground.edges(0)) * dy * narrowest(ground.edges(2)) / 2;
   if (!(mass > 0)) return {.window = infinite};
   constexpr double contacts = 1;  // an element is about as long as a stone
-  return coupling_limit(model, "node of the ground's top", mass, contacts);
+  return coupling_limit(model, "surface node of the ground", mass, contacts);
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ CouplingLimit coupling_limit(const Model& model, const std::string& body, double
                              double contacts) {
   const double k = stiffest_contact(model, largest_sieve(model));
   return {.window = 0.5 * std::sqrt(mass / (contacts * k)),
-          .body = fmt::format("{} of {:.3g} kg", body, mass),
+          .body = fmt::format("{}: mass {:.3g} kg", body, mass),
           .contacts = contacts,
           .stiffness = k};
 }
@@ -199,8 +199,8 @@ CouplingLimit coupling_limit(const Model& model, const Stage& stage) {
   if (limit.window <= std::min(pads, step)) return limit;
   CouplingLimit rail{.window = std::min(pads, step)};
   rail.instead = pads < step ? fmt::format(
-                                   "sleeper of {:.3g} kg per rail on its pad of {:.3g} N/m "
-                                   "and {:.3g} N s/m",
+                                   "sleeper: mass {:.3g} kg per rail, pad of {:.3g} N/m and "
+                                   "{:.3g} N s/m",
                                    mass, stiffness, pad.damping)
                              : "passage.step";
   return rail;
@@ -209,8 +209,8 @@ CouplingLimit coupling_limit(const Model& model, const Stage& stage) {
 // For the log, so that the limit can be checked by hand.
 std::string CouplingLimit::words() const {
   if (!instead.empty()) return instead;
-  return fmt::format("{} on {:.0f} contact{} of {:.3g} N/m", body, contacts,
-                     contacts > 1 ? "s" : "", stiffness);
+  return fmt::format("{}, {:.0f} contact{} with stones of {:.3g} N/m{}", body, contacts,
+                     contacts > 1 ? "s" : "", stiffness, contacts > 1 ? " each" : "");
 }
 
 namespace {

@@ -15,12 +15,13 @@ namespace trackbed::model {
 double rough_step_limit(const Model& model);
 
 // Limit of the window of the staggered coupling: 0.5 sqrt(m/(n k)) of the body for which it is
-// shortest (sleeper; node of the ground's top, if it moves) on n contacts of the largest stiffness
-// k. The load of a window acts one window late, which adds energy to an oscillator of frequency w
-// at the rate w^2 dt/2; at this limit the damping of the contacts still dissipates more.
+// shortest (sleeper; surface node of the ground, if it moves) on n contacts of the largest
+// stiffness k. The load of a window acts one window late, which adds energy to an oscillator of
+// frequency w at the rate w^2 dt/2; at this limit the damping of the contacts still dissipates
+// more.
 struct CouplingLimit {
   double window;       // s, infinite if nothing moves
-  std::string body{};  // "sleeper of 202 kg"
+  std::string body{};  // "sleeper: mass 202 kg"
   // n, simultaneous. Sleeper: stones of the smallest sieve side by side on its face.
   double contacts = 1;
   double stiffness = 0;   // k, N/m

@@ -43,11 +43,12 @@ void Stage::declare_course(input::Section& s) {
            "Kind of stage; fill: new stones fall; settle: stones come to rest; compact: the platen "
            "loads the bed until its pressure is steady; release: the platen is lifted slowly, so "
            "that the bed does not rebound; sleepers: sleepers are placed and settle; cribs: new "
-           "stones fall between sleepers and are cut at the profile; load: the same force acts on "
-           "all seats; passage: axles pass; run: time passes without new loads; shear: the lower "
-           "half of divided walls moves along x under the platen; triaxial: the platen moves down "
-           "between walls with a controlled pressure; lift_walls: walls are lifted, and removed at "
-           "the end; tamp: sleepers are lifted and tines squeeze the ballast below them.");
+           "stones fall into the cribs; stones above the profile are removed; load: the same force "
+           "acts on all seats; passage: axles pass; run: time passes without new loads; shear: the "
+           "lower half of divided walls moves along x under the platen; triaxial: the platen moves "
+           "down between walls with a controlled pressure; lift_walls: walls are lifted, and "
+           "removed at the end; tamp: sleepers are lifted and tines squeeze the ballast below "
+           "them.");
   s.text("layer", layer,
          "Name of the [[bed.layer]] poured on top of existing stones (fill); empty: the uppermost "
          "layer, which [bed] itself describes.");
@@ -58,22 +59,25 @@ void Stage::declare_course(input::Section& s) {
             .above = positive ? 0 : -input::unbounded,
             .at_least = positive ? -input::unbounded : 0,
             .usually_to = 100},
-           "Longest simulated time of the stage; passage: of all its trains together, 0: until the "
-           "last axle has left; tamp: 0, since its times are those of [tamping].");
+           "Longest simulated time of the stage; passage: time for all trains together; 0: until "
+           "the last axle has left (required for several trains with train = true); tamp: 0, since "
+           "its times are those of [tamping].");
   s.number("growth", growth, {.unit = "s", .at_least = 0, .usually_to = 10},
            "Time in which stones grow in place from a small initial size to their full size "
            "(fill); 0: stones of full size are dropped.");
   s.number("growth_height", growth_height, {.unit = "-", .at_least = 0.5, .at_most = 10},
-           "Height up to which growing stones are initially placed, over the height of the bed "
-           "(fill). Values above 1 reduce their kinetic energy and make the bed slightly looser.");
+           "Ratio of the initial filling height of growing stones to the height of the bed (fill). "
+           "Values above 1 reduce the kinetic energy of the stones and make the bed slightly "
+           "looser.");
   s.number("local_damping", local_damping, {.at_least = -1, .at_most = 0.99},
            "Local damping of stones during the stage; below 0: that of the materials.");
   s.number("friction", friction, {.unit = "-", .at_least = -1, .at_most = 2},
            "Friction coefficient of all contacts during the stage, for example low to pack a bed "
            "densely; below 0: that of the contact laws.");
-  s.number("until_ratio", until_ratio, {.at_least = 0},
-           "Ratio `unbalanced` (mean net force over mean contact force) below which the stage ends "
-           "early; 0: never. Load, passage, shear and triaxial do not use it.");
+  s.number(
+      "until_ratio", until_ratio, {.at_least = 0},
+      "Ratio `unbalanced` (mean net force divided by mean contact force) below which the stage "
+      "ends early; 0: never. Load, passage, shear and triaxial do not use this parameter.");
 }
 
 // Parameters of bodies that move, and of the profile to which stones are cut.
@@ -105,15 +109,15 @@ void Stage::declare_loads(input::Section& s) {
   s.number("load", load, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
            "Peak force on each rail seat in addition to seat_force (load).");
   s.number("ramp", ramp, {.unit = "s", .at_least = 0},
-           "Ramp time, at most half the duration; load: from zero to the peak and, at the end, "
-           "back; shear and triaxial: to full speed; compact, shear and triaxial: from pressure "
-           "and confinement of the preceding stage to the new ones.");
+           "Ramp time, at most half the duration; load: time of loading and of unloading; compact: "
+           "time in which pressure and confinement change from those of the preceding stage; "
+           "shear, triaxial: the same, and also the time in which full speed is reached.");
   s.integer("cycles", cycles, {.at_least = 0, .at_most = most_cycles},
             "Number of cycles; load: haversines in the duration, 0: ramp, hold, ramp; passage: "
             "trains, one after the other, 0: one; tamp: insertions of the tines, 0: one.");
   s.flag("train", train,
-         "Whether the vehicles of [train], on a rail and its pads, load the sleepers instead of "
-         "the axles of [load] (passage).");
+         "Whether the sleepers are loaded by the vehicles of [train] (through rail and pads) or by "
+         "the axle loads of [load] (passage).");
   s.number("settlement", settlement, {.unit = "m", .at_least = 0},
            "The stage ends early after a cycle in which no sleeper settles by more than this value "
            "(load and passage with cycles); 0: the stage does not end early.");

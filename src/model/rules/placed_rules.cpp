@@ -98,9 +98,10 @@ void declare_plane(const Model& model, input::Section& s) {
     const std::string key = fmt::format("stone[{}]", i);
     const bool flat = stone.shape == bed::ShapeKind::ball ||
                       (stone.shape == bed::ShapeKind::clump && !stone.spheres.empty());
-    s.rule(key + ".shape", flat,
-           "makes stones in space: a plane model allows ball, and clump with given spheres",
-           {.reads = {key, "dimension"}});
+    s.rule(
+        key + ".shape", flat,
+        "gives three-dimensional stones: a plane model allows ball, and clump with given spheres",
+        {.reads = {key, "dimension"}});
     zero(key + ".position", vector_of(stone.position).y());
     zero(key + ".velocity", vector_of(stone.velocity).y());
     const Vec3 spin = vector_of(stone.spin);
@@ -126,7 +127,7 @@ void declare_stages_of_placed(const Model& model, input::Section& s) {
     const std::string key = fmt::format("stage[{}].", i);
     const Stage& stage = model.stages[i];
     s.rule(key + "kind", stage.kind == StageKind::run || stage.kind == StageKind::settle,
-           "must be run or settle: models of placed stones have no bed and no sleepers",
+           "must be \"run\" or \"settle\": models of placed stones have no bed and no sleepers",
            {.reads = {key + "kind"}});
     s.rule(key + "ground_moves", !stage.ground_moves, "must be false: there is no ground",
            {.reads = {key + "ground_moves"}});

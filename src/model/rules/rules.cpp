@@ -22,7 +22,6 @@ namespace trackbed::model {
 namespace {
 
 // A border given as 0.1 + 0.2 must equal one given as 0.3.
-constexpr double rounding = 1e-9;  // m
 
 // The materials of all parts of the model exist, and those in contact have a law. Only existing
 // parts count: a deck without ground need not give the material of its surface.
@@ -67,7 +66,7 @@ void declare_materials(const Model& model, input::Section& s) {
 // True for ranges that are not pairs, which another rule reports.
 bool is_within(const std::vector<double>& inner, const std::vector<double>& outer) {
   return inner.size() != 2 || outer.size() != 2 ||
-         (inner[0] >= outer[0] - rounding && inner[1] <= outer[1] + rounding);
+         (inner[0] >= outer[0] - same_length && inner[1] <= outer[1] + same_length);
 }
 
 // Stones at the ends of a bed longer than its ground would fall, and the run would end with a lost
@@ -82,12 +81,13 @@ void declare_ground_below(const Model& model, input::Section& s) {
            {.reads = {"ground.present", "ground." + axis, "bed." + axis}});
     if (!model.periodic_in(axis) || model.bed.sieve.empty() || bed.size() != 2) return;
     const double stone = 1e-3 * model.bed.sieve.back();  // mm
-    s.rule("ground." + axis, is_within({bed[0] - stone, bed[1] + stone}, ground),
-           fmt::format("ends less than a stone ({:g} m) beyond a periodic side of the bed: stones "
-                       "that reach beyond the end of the ground have no support there",
-                       stone),
-           {.severity = input::Severity::warning,
-            .reads = {"ground.present", "ground." + axis, "bed", "periodic"}});
+    s.rule(
+        "ground." + axis, is_within({bed[0] - stone, bed[1] + stone}, ground),
+        fmt::format("extends less than one stone size ({:g} m) past the periodic end of the bed: "
+                    "stones that project past the end of the ground are not fully supported",
+                    stone),
+        {.severity = input::Severity::warning,
+         .reads = {"ground.present", "ground." + axis, "bed", "periodic"}});
   };
   below("x", model.bed.x, model.ground.x);
   if (model.dimension == Dimension::space) below("y", model.bed.y, model.ground.y);
@@ -106,7 +106,7 @@ void declare_sleepers(const Model& model, input::Section& s) {
       "sleepers.y", "sleepers.width", "sleepers.length"};
   const auto outside = [&](double at) { return at < x[0] || at > x[1]; };
   const auto sticks_out = [&](double at) {
-    return at - p.width / 2 < x[0] - rounding || at + p.width / 2 > x[1] + rounding;
+    return at - p.width / 2 < x[0] - same_length || at + p.width / 2 > x[1] + same_length;
   };
   s.rule("sleepers.first", !outside(p.first),
          fmt::format("puts the first sleeper outside {}; move it or make the bed longer", bed),
@@ -197,17 +197,19 @@ void declare_begin(const Model& model, const Stage& stage, const input::About& a
   const auto& load = model.load;
   const bool beyond = load.start - p.lead > p.first;
   s.rule("load.start", !beyond,
-         fmt::format("the first axle begins beyond the first sleeper: the load begins with a jump; "
-                     "start further away ({})",
-                     p.where),
+         fmt::format("the first axle starts at x = {:g} m, beyond the first sleeper, which is "
+                     "therefore loaded suddenly; give a smaller load.start ({})",
+                     load.start - p.lead, p.where),
          {.severity = input::Severity::warning, .reads = about.reads});
   const double at_first = track::SeatLoad(load, model.sleepers.spacing).at(p.first, 0);
   const double jump = load.peak > 0 ? at_first / load.peak : 0;
-  s.rule("load.start", beyond || std::abs(jump) <= negligible,
-         fmt::format("the load of the first sleeper begins with a jump of {:.2g} times the peak; "
-                     "start further away ({})",
-                     jump, p.where),
-         {.severity = input::Severity::warning, .reads = about.reads});
+  s.rule(
+      "load.start", beyond || std::abs(jump) <= negligible,
+      fmt::format("the load of the first sleeper begins with a jump of {:.2g} times the peak; "
+                  "start the first axle further away from the first sleeper (smaller load.start; "
+                  "{})",
+                  jump, p.where),
+      {.severity = input::Severity::warning, .reads = about.reads});
 }
 
 // Missing axles or sleepers are reported elsewhere; a table of loads has its own times and no
@@ -243,9 +245,10 @@ void declare_oddities(const Model& model, input::Section& s) {
   s.rule("settle_average",
          !ground.present || !moves || !model.start.empty() || held == 0 ||
              3 * model.settle_average <= held,
-         fmt::format("is more than a third of the {:g} s until the ground moves: the ground would "
-                     "not be in equilibrium with the bed",
-                     held),
+         fmt::format("the ground starts to move after {:g} s, less than three of these time "
+                     "constants: the averaged load would not yet equal the load of the bed; give "
+                     "less than {:.3g} s",
+                     held, held / 3),
          {.severity = input::Severity::warning, .reads = {"settle_average", "ground", "stage"}});
   // Static loads of a stage are most likely meant to remain in the following stages.
   double before = 0;

@@ -7,6 +7,8 @@
 namespace trackbed::model {
 
 // Declares them to the open root section, after all parameters that they read.
+constexpr double same_length = 1e-9;  // m, between lengths of a deck that are meant to be equal
+
 void declare_rules(const Model& model, input::Section& s);
 void declare_train(const Model& model, input::Section& s);  // after the track has been read
 // Parts of declare_rules.

@@ -89,7 +89,7 @@ void declare_kinds(const Model& model, input::Section& s) {
   s.rule("sleepers.model", model.dimension == Dimension::space, "solid needs dimension = \"space\"",
          about);
   s.rule("sleepers.model", !model.has_stage(StageKind::tamp),
-         "must be rigid for stages of kind tamp, which lift the sleepers", about);
+         "must be \"rigid\" for stages of kind tamp, which lift the sleepers", about);
   s.rule("sleepers.bevel", model.sleepers.bevel == 0, "must be 0 for solid sleepers",
          {.reads = {"sleepers"}});
   const track::SleeperParameters none;
@@ -136,11 +136,12 @@ void declare_rails(const Model& model, input::Section& s) {
          "must be false below a train (train = true), whose rail is a beam; solid rails carry the "
          "axles of [load]",
          {.reads = {"solid.rails", "stage"}});
-  s.rule("load.kind",
-         !model.has_stage(StageKind::passage) || model.load.kind == track::SeatLoadKind::winkler,
-         "must be winkler with solid rails: only with winkler do wheels run on the rails; the "
-         "other kinds load the seats",
-         {.reads = {"load.kind", "solid.rails", "stage"}});
+  s.rule(
+      "load.kind",
+      !model.has_stage(StageKind::passage) || model.load.kind == track::SeatLoadKind::winkler,
+      "must be \"winkler\" with solid rails: only with this kind do wheels run on the rails; the "
+      "other kinds load the seats",
+      {.reads = {"load.kind", "solid.rails", "stage"}});
   s.rule("pad.bilinear_at", model.track.line.pad.bilinear_at == 0,
          "must be 0 below solid rails, whose pads are linear", {.reads = {"pad", "solid.rails"}});
 }
@@ -164,9 +165,10 @@ void SolidParameters::declare(input::Section& s) {
            "Parameter of Bossak's scheme; values below 0 damp frequencies that a window does not "
            "resolve.");
   const auto fixed_shape = s.fixed_by(input::state::solid_sleepers);
-  s.flag("half", half,
-         "Whether the model has half of each sleeper, whose end at low y is in the middle of the "
-         "track and fixed along y.");
+  s.flag(
+      "half", half,
+      "Whether only half of each sleeper is modelled: its face at the smallest y is the plane of "
+      "symmetry in the track centre and is held along y.");
   s.numbers("seats", seats, {.unit = "m"},
             "y of the rail seats relative to the centre of a sleeper; two rails need seats at half "
             "of track.gauge to either side.");

@@ -9,8 +9,6 @@ namespace trackbed::model {
 
 namespace {
 
-constexpr double rounding = 1e-9;  // m
-
 // Between the sleepers, and between the outer ones and the ends of the bed.
 void declare_clearance(const Model& model, input::Section& s) {
   const bed::TampingParameters& p = model.tamping;
@@ -19,7 +17,7 @@ void declare_clearance(const Model& model, input::Section& s) {
       .reads = {"tamping", "sleepers", "bed", "stage", "dimension", "periodic"}};
   const double reach = p.reach();
   s.rule("tamping.gap",
-         sleepers.count < 2 || 2 * reach <= sleepers.spacing - sleepers.width + rounding,
+         sleepers.count < 2 || 2 * reach <= sleepers.spacing - sleepers.width + same_length,
          fmt::format("two tines need {:g} m each (gap, thickness and amplitude), together more "
                      "than the space between sleepers ({:g} m)",
                      reach, sleepers.spacing - sleepers.width),
@@ -30,8 +28,8 @@ void declare_clearance(const Model& model, input::Section& s) {
   const double half = sleepers.width / 2 + reach + (model.periodic_in("x") ? stone : 0);
   const auto& x = model.bed.x;
   s.rule("tamping.gap",
-         x.size() != 2 || (sleepers.first - half >= x[0] - rounding &&
-                           sleepers.last() + half <= x[1] + rounding),
+         x.size() != 2 || (sleepers.first - half >= x[0] - same_length &&
+                           sleepers.last() + half <= x[1] + same_length),
          fmt::format("tines and their clearance reach from x = {:g} to {:g} m, beyond the ends of "
                      "the bed",
                      sleepers.first - half, sleepers.last() + half),
@@ -42,8 +40,8 @@ void declare_clearance(const Model& model, input::Section& s) {
   s.rule("tamping.y",
          y.size() != 2 || std::all_of(p.y.begin(), p.y.end(),
                                       [&](double at) {
-                                        return at - p.width / 2 >= y[0] - rounding &&
-                                               at + p.width / 2 <= y[1] + rounding;
+                                        return at - p.width / 2 >= y[0] - same_length &&
+                                               at + p.width / 2 <= y[1] + same_length;
                                       }),
          "puts tines beyond the sides of the bed (bed.y)", about);
 }

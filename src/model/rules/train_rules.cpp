@@ -18,7 +18,7 @@ namespace trackbed::model {
 
 namespace {
 
-constexpr double rounding = 1e-6;  // relative, of lengths that are meant to be equal
+constexpr double alike = 1e-6;  // relative, of lengths that are meant to be equal
 
 // Whether sections of a track have their defaults; solid rails use rail and pad.
 bool untouched(const Model& model) {
@@ -82,19 +82,19 @@ void declare_place(const Model& model, input::Section& s) {
   const track::SleeperParameters& bed = model.sleepers;
   const input::About about{.reads = {"track", "sleepers", "seat", "stage"}};
   s.rule("track.support", track.support == track::Support::sleepers,
-         "must be sleepers, since the bed has sleepers", about);
-  s.rule("track.spacing", std::abs(track.spacing - bed.spacing) <= rounding * bed.spacing,
+         "must be \"sleepers\", since the bed has sleepers", about);
+  s.rule("track.spacing", std::abs(track.spacing - bed.spacing) <= alike * bed.spacing,
          fmt::format("must be that of the sleepers of the bed (sleepers.spacing = {:g} m)",
                      bed.spacing),
          about);
   const double first = static_cast<double>(model.seat.before) * track.spacing;
   const double last = first + static_cast<double>(bed.count - 1) * track.spacing;
-  s.rule("seat.before", first >= track.run_in * (1 - rounding),
+  s.rule("seat.before", first >= track.run_in * (1 - alike),
          fmt::format("puts the first sleeper of the bed at {:g} m from the start of the track, "
                      "within its run-in of {:g} m",
                      first, track.run_in),
          about);
-  s.rule("track.length", last <= (track.length - track.run_in) * (1 + rounding),
+  s.rule("track.length", last <= (track.length - track.run_in) * (1 + alike),
          fmt::format("must be at least {:g} m: {:g} m up to the last sleeper of the bed, and the "
                      "run-out behind it",
                      last + track.run_in, last),
@@ -130,8 +130,8 @@ void declare_solid_sides(const Model& model, input::Section& s) {
   const std::vector<double>& seats = model.solid.seats;
   const double side = model.track.line.track.gauge / 2;
   s.rule("solid.seats",
-         seats.size() == 2 && std::abs(seats[0] + seats[1]) <= rounding * side &&
-             std::abs(std::abs(seats[0]) - side) <= rounding * side,
+         seats.size() == 2 && std::abs(seats[0] + seats[1]) <= alike * side &&
+             std::abs(std::abs(seats[0]) - side) <= alike * side,
          fmt::format("must be [{0:g}, -{0:g}] below two rails (track.dimension = \"space\"), half "
                      "of track.gauge to either side",
                      side),
@@ -163,7 +163,7 @@ void declare_sides(const Model& model, input::Section& s) {
   if (model.track.line.track.dimension == Dimension::plane) return;
   const input::About about{.reads = {"track", "sleepers", "seat", "stage", "dimension"}};
   s.rule("track.dimension", model.dimension == Dimension::space,
-         "must be plane in a plane model, whose sleepers do not roll (dimension)", about);
+         "must be \"plane\" in a plane model, whose sleepers do not roll (dimension)", about);
   s.rule("seat.rails", model.seat.rails == 2,
          "must be 2 below two rails (track.dimension = \"space\")", about);
   const double gauge = model.track.line.track.gauge, length = model.sleepers.length;

@@ -11,7 +11,7 @@ namespace trackbed::model {
 
 namespace {
 
-constexpr double rounding = 1e-9;  // relative
+constexpr double same_ratio = 1e-9;  // relative
 
 void declare_container(const Model& model, input::Section& s) {
   const bed::BedParameters& bed = model.bed;
@@ -23,7 +23,7 @@ void declare_container(const Model& model, input::Section& s) {
          "a cylinder needs dimension = \"space\"", about);
   s.rule("bed.container", !round || model.periodic.empty(),
          "a cylinder has walls all around: leave out `periodic`", about);
-  s.rule("bed.container", !round || std::abs(length - width) <= rounding * length,
+  s.rule("bed.container", !round || std::abs(length - width) <= same_ratio * length,
          fmt::format("a cylinder needs a square bed, but bed.x is {:g} m and bed.y {:g} m wide",
                      length, width),
          about);
@@ -58,7 +58,7 @@ void declare_shear(const Model& model, std::size_t i, double travel, input::Sect
   const StageKind before = i > 0 ? model.stages[i - 1].kind : StageKind::compact;
   s.rule(kind, before == StageKind::compact || before == StageKind::shear,
          "needs the platen: the preceding stage must be of kind compact or shear", about);
-  s.rule(displacement, std::abs(travel) <= model.bed.beside * (1 + rounding),
+  s.rule(displacement, std::abs(travel) <= model.bed.beside * (1 + same_ratio),
          fmt::format(
              "moves the lower half of the walls by {:g} m in total, more than bed.beside = {:g} m",
              travel, model.bed.beside),

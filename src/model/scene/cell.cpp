@@ -26,7 +26,7 @@ namespace trackbed::model {
 namespace {
 
 // Relative. Lengths in a deck have 16 digits: 10 cells of 1.2 m equal a bed of 12 m up to rounding.
-constexpr double rounding = 1e-12;
+constexpr double whole_cells = 1e-12;
 
 // The file is opened again when the cells are laid: only its name is kept between check and fill.
 // Collective.
@@ -160,7 +160,7 @@ class CellCheck {
       return add("bed.cell", "was not made with periodic = [\"x\"]: its ends do not match");
     const dem::Tiling tiling = tiling_of(cell_, model_);
     const double length = model_.bed.x[1] - model_.bed.x[0], times = length / tiling.length;
-    if (std::abs(times - static_cast<double>(tiling.copies)) <= rounding * times) return;
+    if (std::abs(times - static_cast<double>(tiling.copies)) <= whole_cells * times) return;
     const double fewer = std::max(1.0, std::floor(times)), more = std::max(2.0, fewer + 1);
     add("bed.x",
         fmt::format("is {:g} m long, which is {:.4g} cells of {:g} m; it must be a whole number of "

@@ -14,11 +14,7 @@
 
 namespace trackbed::model {
 
-namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
-}  // namespace
+namespace {}  // namespace
 
 StonesStep step_of(const World& world) {
   StonesStep step;
@@ -33,12 +29,12 @@ namespace {
 CouplingLimit coupling_limit(const World& world, const Stage& stage) {
   const CouplingLimit limit = coupling_limit(world.model, stage);
   if (!stage.ground_moves || !world.ground || !world.model.ground.of_tetrahedra()) return limit;
-  double lightest = infinite;
+  double lightest = std::numeric_limits<double>::infinity();
   for (const std::int32_t node : world.ground->own_top())
     lightest = std::min(lightest, world.ground->top_mass(node));
   constexpr double contacts = 1;  // as of layers
   const CouplingLimit top =
-      coupling_limit(world.model, "node of the ground's top", world.comm.min(lightest), contacts);
+      coupling_limit(world.model, "surface node of the ground", world.comm.min(lightest), contacts);
   return top.window < limit.window ? top : limit;
 }
 

@@ -9,14 +9,13 @@
 
 #include <ctime>
 
+#include "trackbed/core/ratio.hpp"
+
 namespace trackbed::model {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// 0 if the denominator is 0: JSON has no infinity.
-double ratio(double above, double below) { return below > 0 ? above / below : 0; }
 
 // s, CPU time of this rank: less sensitive than wall time on a shared machine. Waiting in MPI is
 // included if MPI polls.

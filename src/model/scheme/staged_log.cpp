@@ -22,7 +22,7 @@ std::string words_of_base(const fem::GroundParameters& ground) {
 }
 
 std::string words_of_springs(const fem::GroundParameters& ground) {
-  if (ground.base_stiffness < 0) return " with springs (stiffness: shear modulus over depth)";
+  if (ground.base_stiffness < 0) return " with springs (stiffness: shear modulus divided by depth)";
   return fmt::format(" with springs of {:g} Pa/m", ground.base_stiffness);
 }
 

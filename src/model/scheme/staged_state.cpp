@@ -42,7 +42,8 @@ void archive_surfaces(io::Archive& a, World& world) {
                 {"N", "averaged load of the bed on the ground's top nodes"}, world.support);
     archive_top(a, world, "run/top_position",
                 {"m", "ground's top nodes at the start of the last window"}, top.position);
-    archive_top(a, world, "run/top_motion", {"m", "their displacement in it"}, top.motion);
+    archive_top(a, world, "run/top_motion",
+                {"m", "displacement of the ground's top nodes in the last window"}, top.motion);
   }
   if (a.reads()) world.register_surfaces();
   std::vector<World::Means> means = world.means();
@@ -61,9 +62,11 @@ struct CommonState {
 
   void archive(io::Archive& a) {
     a("balance/force", balance.force, {"-", "largest relative imbalance of force in the coupling"});
-    a("balance/moment", balance.moment, {"-", "the same of moment"});
-    a("balance/impulse", balance.impulse, {"-", "the same of impulse"});
-    a("balance/work", balance.work, {"-", "the same of work"});
+    a("balance/moment", balance.moment,
+      {"-", "largest relative imbalance of moment in the coupling"});
+    a("balance/impulse", balance.impulse,
+      {"-", "largest relative imbalance of impulse in the coupling"});
+    a("balance/work", balance.work, {"-", "largest relative imbalance of work in the coupling"});
     a("history_rows", rows, {"-", "rows of the histories"});
     a("ground_settled", ground_settled, {"-", "1: the ground has been in static equilibrium"});
   }

@@ -240,8 +240,9 @@ std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
   if (!ends_at_rest(stage)) return std::nullopt;
   const dem::Totals totals = world_.particles.totals();
   if (at_rest(totals, stage.until_ratio)) return std::string{};
-  return fmt::format("the unbalanced force is {:.3g} of the mean contact force, not below {:g}",
-                     totals.unbalanced, stage.until_ratio);
+  return fmt::format(
+      "the ratio of unbalanced to mean contact force is still {:.3g}; required: below {:g}",
+      totals.unbalanced, stage.until_ratio);
 }
 
 // After stages of kind fill and settle stones are stopped, so that the next stage begins with zero

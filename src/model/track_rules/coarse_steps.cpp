@@ -14,7 +14,7 @@ namespace {
 using Kind = track::IrregularityKind;
 
 // Steps that are needed to resolve a length.
-constexpr double enough = 10, rounding = 1e-9;
+constexpr double enough = 10, same_step = 1e-9;
 
 struct Length {
   std::string key;
@@ -54,7 +54,7 @@ void add_forces(const TrackModel& model, double step, std::vector<CoarseStep>& t
   for (std::size_t i = 0; i < model.passage.forces.size(); ++i) {
     const track::RailForce& force = model.passage.forces[i];
     const bool impact = force.kind == track::ForceKind::impact;
-    if (force.duration() >= needed * step * (1 - rounding)) continue;
+    if (force.duration() >= needed * step * (1 - same_step)) continue;
     to.push_back({fmt::format("force[{}].{}", i, impact ? "length" : "frequency"),
                   impact ? force.length : force.frequency,
                   fmt::format("gives {} of {:.3g} s, which steps of {:.4g} s resolve poorly",
@@ -71,13 +71,13 @@ std::vector<CoarseStep> coarse_steps(const TrackModel& model, double step) {
   const track::TrackParameters& track = model.line.track;
   const double element = track.spacing / static_cast<double>(track.elements);
   const double travel = largest_speed(model.train) * step;
-  if (travel > element * (1 + rounding))
+  if (travel > element * (1 + same_step))
     found.push_back({"passage.step", step,
                      fmt::format("lets wheels travel {:.3g} m in a step, more than an element of "
                                  "the rail ({:g} m); give a shorter step",
                                  travel, element)});
   for (const Length& length : lengths_of(model))
-    if (length.size < enough * travel * (1 - rounding))
+    if (length.size < enough * travel * (1 - same_step))
       found.push_back(
           {length.key, length.size,
            fmt::format("is only {:.2g} times the travel of wheels in a step ({:.3g} m at {:g} m/s "

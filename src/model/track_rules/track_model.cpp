@@ -34,16 +34,16 @@ void declare_seats(const TrackModel& model, input::Section& s) {
       "must be 0 except on a bed: without a bed, a table of seat loads acts equally on both rails",
       about);
   s.rule("passage.loaded_by", !model.on_bed,
-         "must be train on a bed, whose loads are given by its stages", about);
+         "must be \"train\" in a model with a bed: there the stages define the loads", about);
   s.rule("train.vehicles", model.train.vehicles.empty(),
          "must be [] with passage.loaded_by = \"seats\": seat loads replace the train", about);
   s.rule("force", model.passage.forces.empty(),
          "needs a rail, which does not exist with seat loads (passage.loaded_by)", about);
   s.rule("track.support", model.line.track.support == track::Support::sleepers,
-         "must be sleepers with seat loads (passage.loaded_by)", about);
+         "must be \"sleepers\" if seat loads are applied (passage.loaded_by)", about);
   s.rule("track.ends", model.line.track.ends == track::RailEnds::pinned,
-         "must be pinned with seat loads (passage.loaded_by): without pads nothing else holds the "
-         "rail",
+         "must be \"pinned\" if seat loads are applied (passage.loaded_by): without pads nothing "
+         "else holds the rail",
          about);
 }
 
@@ -197,7 +197,8 @@ void declare_bending(const TrackModel& model, input::Section& s) {
          "must be 0 below sleepers that bend: their ballast is distributed along them",
          {.reads = {"track", "ballast"}});
   s.rule("track.sleeper.model", !model.on_bed,
-         "must be rigid on a bed, whose sleepers are those of [sleepers]", {.reads = {"track"}});
+         "must be \"rigid\" on a bed, whose sleepers are those of [sleepers]",
+         {.reads = {"track"}});
 }
 
 // On a bed a pad would change the contact law of stones and sleeper.

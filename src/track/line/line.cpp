@@ -52,10 +52,10 @@ Line::Impl::Impl(const LineParameters& given)
   const auto bays = std::llround(track.length / track.spacing);
   require(bays >= 1 && track.elements >= 1, "a track has at least one element");
   require(static_cast<std::size_t>(bays) + 1 >= given.first_moved + given.moved,
-          "moved sleepers are sleepers of the track");
+          "first_moved + moved must not exceed the number of sleepers");
   if (track.sleeper.model == SleeperModel::beam) mesh.emplace(track);
   require(!mesh || (given.ballast.mass == 0 && (sides == 2 || track.rails == 2)),
-          "bending sleepers are whole ones, or halves of them, directly on ballast springs");
+          "bending sleepers need ballast.mass = 0, and two sides or track.rails = 2");
   require(!mesh || given.under_sleeper.stiffness == 0, "under-sleeper pads are for rigid sleepers");
   require(given.pads || given.moved == 0 || given.moves == MovedPart::ground,
           "seat loads are for sleepers on springs");

@@ -10,13 +10,16 @@
 
 namespace trackbed::track {
 
-// Where no mass per length was read, it is the area times 7850 kg/m^3.
+// Where the standard's mass per length is not known, it is the area times 7850 kg/m^3.
 const std::vector<RailSection>& rail_sections() {
   static const std::vector<RailSection> sections = {
-      {"46E3", 59.44e-4, 1606e-8, 46.66, "EN 13674-1, area and inertia read; mass 7850 kg/m3"},
-      {"54E1", 69.77e-4, 2337.2e-8, 54.77, "EN 13674-1, area and inertia read; mass 7850 kg/m3"},
-      {"60E1", 76.70e-4, 3038.3e-8, 60.21, "EN 13674-1, read"},
-      {"CHN60", 77.45e-4, 3217e-8, 60.64, "TB/T 2341: inertia and mass read, area from memory"}};
+      {"46E3", 59.44e-4, 1606e-8, 46.66,
+       "area and inertia from EN 13674-1; mass from the area and a density of 7850 kg/m3"},
+      {"54E1", 69.77e-4, 2337.2e-8, 54.77,
+       "area and inertia from EN 13674-1; mass from the area and a density of 7850 kg/m3"},
+      {"60E1", 76.70e-4, 3038.3e-8, 60.21, "EN 13674-1"},
+      {"CHN60", 77.45e-4, 3217e-8, 60.64,
+       "inertia and mass from TB/T 2341; area not verified against the standard"}};
   return sections;
 }
 
@@ -45,7 +48,7 @@ void RailParameters::declare(input::Section& s) {
   s.number("poisson", poisson, {.above = -1, .at_most = 0.5},
            "Poisson's ratio of the rail, for the shear modulus.");
   s.number("shear_factor", shear_factor, {.above = 0, .at_most = 1},
-           "Shear coefficient: effective shear area over area (timoshenko).");
+           "Shear coefficient: effective shear area divided by area (timoshenko).");
   s.number("area", area, {.unit = "m2", .at_least = 0, .usually_from = 1e-4, .usually_to = 1},
            "Cross-sectional area of one rail; 0: that of the section.");
   s.number("inertia", inertia,

@@ -19,7 +19,7 @@ namespace trackbed::track {
 
 namespace {
 
-constexpr double rounding = 1e-9;  // relative, of lengths that should be multiples
+constexpr double same_multiple = 1e-9;  // relative, of lengths that should be multiples
 
 // Adds nodes of `count` equal elements up to `to`.
 void divide(std::vector<double>& nodes, double to, std::int64_t count) {
@@ -37,7 +37,7 @@ SleeperMesh::SleeperMesh(const TrackParameters& track)
   require(overhang > 0, "sleepers are longer than the gauge");
   const double size = gauge / static_cast<double>(track.sleeper.elements);
   const auto beyond =
-      std::max<std::int64_t>(1, std::llround(std::ceil(overhang / size - rounding)));
+      std::max<std::int64_t>(1, std::llround(std::ceil(overhang / size - same_multiple)));
   divide(from_end, overhang, beyond);
   seat[0] = from_end.size() - 1;
   if (track.dimension == Dimension::plane) {

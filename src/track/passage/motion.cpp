@@ -15,7 +15,8 @@ namespace trackbed::track {
 
 Motion::Motion(const TrainParameters& parameters)
     : legs_{{0, parameters.start, parameters.speed, 0}} {
-  require(parameters.changes_are_valid(), "times of a train increase, each with a speed");
+  require(parameters.changes_are_valid(),
+          "times of a train must increase from above 0, with one speed for each");
   for (std::size_t i = 0; i < parameters.times.size(); ++i) {
     Leg& leg = legs_.back();
     const double lasts = parameters.times[i] - leg.begin, reached = parameters.speeds[i];

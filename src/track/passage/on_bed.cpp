@@ -140,7 +140,9 @@ double TrainOnBed::rail_displacement(std::size_t i, std::size_t side) const {
 void TrainOnBed::archive(io::Archive& a) {
   impl_->passage.archive(a);
   a.rows("levels", impl_->levels,
-         {"m", "height of the sleepers' seats since they were placed, when the rail was placed"});
+         {"m",
+          "vertical displacement of the rail seats, from placing of the sleepers to laying of the "
+          "rail"});
 }
 
 }  // namespace trackbed::track

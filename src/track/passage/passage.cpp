@@ -30,7 +30,6 @@ namespace trackbed::track {
 
 namespace {
 
-constexpr int most_iterations = 100;
 constexpr int full_steps = 10;           // iterations of Newton's method without line search
 constexpr double least_fraction = 1e-3;  // of a step, in the line search
 

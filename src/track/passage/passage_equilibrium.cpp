@@ -10,7 +10,6 @@ namespace trackbed::track {
 
 namespace {
 
-constexpr int most_iterations = 100;
 constexpr double initial_approach = 1e-6;  // m, any positive value: the force is zero
 constexpr double most_change = 1e300;      // m, if a change is not finite
 

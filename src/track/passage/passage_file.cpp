@@ -9,20 +9,26 @@ void Passage::archive(io::Archive& a) {
   Impl& impl = *impl_;
   Newmark &track = impl.track, &train = impl.vehicles;
   a("track_displacement", track.displacement, {"m, rad", "of rail nodes and sleepers on springs"});
-  a("track_velocity", track.velocity, {"m/s, rad/s", "of the same"});
-  a("track_acceleration", track.acceleration, {"m/s^2, rad/s^2", "of the same"});
+  a("track_velocity", track.velocity, {"m/s, rad/s", "of rail nodes and sleepers on springs"});
+  a("track_acceleration", track.acceleration,
+    {"m/s^2, rad/s^2", "of rail nodes and sleepers on springs"});
   a("train_displacement", train.displacement, {"m, rad", "of the vehicles' bodies"});
-  a("train_velocity", train.velocity, {"m/s, rad/s", "of the same"});
-  a("train_acceleration", train.acceleration, {"m/s^2, rad/s^2", "of the same"});
-  a("approach", impl.approach, {"m", "of wheels to the rail, then of stops"});
+  a("train_velocity", train.velocity, {"m/s, rad/s", "of the vehicles' bodies"});
+  a("train_acceleration", train.acceleration, {"m/s^2, rad/s^2", "of the vehicles' bodies"});
+  a("approach", impl.approach,
+    {"m",
+     "compression of the wheel-rail contacts, followed by that of the one-sided springs (gaps, "
+     "bilinear pads, pads with uplift)"});
   a("stop_rate", impl.stop_rate,
-    {"m/s", "rate of the stops' approach, without the motion of moved seats"});
-  a.rows("seat_height", impl.seats, {"m", "of each moved seat since the rail was placed"},
-         &Seat::height);
-  a.rows("seat_rate", impl.seats, {"m/s", "its rate"}, &Seat::rate);
+    {"m/s",
+     "rate of compression of the one-sided springs, without the part due to prescribed seat "
+     "motion"});
+  a.rows("seat_height", impl.seats,
+         {"m", "displacement of each moved seat since the rail was laid"}, &Seat::height);
+  a.rows("seat_rate", impl.seats, {"m/s", "velocity of each moved seat"}, &Seat::rate);
   a("steps", impl.steps, {"-", "since the train started"});
   a("iterations", impl.iterations, {"-", "of Newton's method up to now"});
-  a("lost", impl.lost, {"-", "steps times wheels without contact"});
+  a("lost", impl.lost, {"-", "steps without wheel-rail contact, summed over the wheels"});
   if (!a.reads()) return;
   for (Eigen::Index k = 0; k < impl.stop_before.size(); ++k)
     impl.stop_before[k] = impl.own_approach(k);

@@ -11,6 +11,8 @@
 
 namespace trackbed::track {
 
+constexpr int most_iterations = 100;  // of the contact forces of a step or of equilibrium
+
 using Matrix = Eigen::MatrixXd;
 
 // The state is listed once, in passage_file.cpp; all else follows from the deck or from the state.

@@ -10,11 +10,11 @@ namespace trackbed::track {
 namespace {
 
 // Relative, of lengths that should be multiples but are written with few digits.
-constexpr double rounding = 1e-6;
+constexpr double whole_multiple = 1e-6;
 
 bool is_multiple(double length, double of) {
   const double ratio = length / of;
-  return ratio > 0.5 && std::abs(ratio - std::round(ratio)) < rounding * ratio;
+  return ratio > 0.5 && std::abs(ratio - std::round(ratio)) < whole_multiple * ratio;
 }
 
 }  // namespace
@@ -114,7 +114,8 @@ void TrackZone::declare(input::Section& s) {
   s.number("rail", rail, {.above = 0, .at_most = 1e9, .usually_to = 100},
            "Factor on bending stiffness, shear stiffness and mass of the rail, as in a crossing.");
   s.number("bed", bed, {.at_least = 0, .usually_to = 1000},
-           "Factor on stiffness and damping of the bed, or of the ballast below sleepers.");
+           "Factor on stiffness and damping of the support: the continuous (Winkler) bed, or the "
+           "ballast springs below sleepers.");
   s.number("gap", gap, {.unit = "m", .at_least = 0, .at_most = 100, .usually_to = 0.02},
            "Gap between sleepers and ballast of the unloaded track (hanging sleepers).");
   s.choice("side", side, {"both", "left", "right"},
@@ -174,7 +175,7 @@ void TrackParameters::declare_sleepers(input::Section& s) {
   const input::About about{.reads = {"sleeper", "support", "dimension", "rails", "gauge",
                                      "sleeper_length", "sleeper_inertia"}};
   s.rule("sleeper.model", !bends || support == Support::sleepers,
-         "must be rigid: the track has no sleepers (support)", about);
+         "must be \"rigid\": the track has no sleepers (support)", about);
   s.rule(
       "sleeper_length", !bends || sleeper_length > gauge,
       fmt::format("must be longer than the gauge of {:g} m: the seats are on the sleepers", gauge),
@@ -219,7 +220,8 @@ void TrackParameters::declare(input::Section& s) {
            "Length of run-in and run-out, in which rail, pads and bed become stiffer towards the "
            "rigid rails beyond; a rail without support (a bridge) has none.");
   s.number("run_in_factor", run_in_factor, {.at_least = 1, .at_most = 1e6},
-           "Stiffness and damping at the ends of the track over those between run-in and run-out.");
+           "Ratio of stiffness and damping at the ends of the track to those between run-in and "
+           "run-out.");
   s.tables("zone", zones,
            "Parts of the track with other properties; factors of overlapping zones multiply.");
   s.table("sleeper", sleeper, "Sleepers as beams across the track.");
@@ -228,7 +230,7 @@ void TrackParameters::declare(input::Section& s) {
   s.rule("length", is_multiple(length, spacing), "must be a multiple of track.spacing",
          {.reads = {"length", "spacing"}});
   s.rule("ends", support != Support::none || ends == RailEnds::pinned,
-         "must be pinned: the rail has no other support");
+         "must be \"pinned\": the rail has no other support");
   for (std::size_t i = 0; i < zones.size(); ++i)
     s.rule(fmt::format("zone[{}].gap", i), zones[i].gap == 0 || support == Support::sleepers,
            "must be 0: the track has no sleepers (support)", {.reads = {"support", "zone"}});

@@ -89,8 +89,8 @@ constexpr double softest = 1e3;
 // The linear law is for comparison with closed forms, and as the spring of a sprung mass.
 void WheelRailParameters::declare(input::Section& s) {
   s.choice("law", law, {"hertz", "linear"},
-           "Contact law of wheel and rail, for compression only; hertz: F = C approach^1.5; "
-           "linear: F = stiffness approach.");
+           "Contact law of wheel and rail, for compression only; hertz: F = C * approach^1.5; "
+           "linear: F = stiffness * approach.");
   s.number("wheel_radius", bodies.wheel_radius, {.unit = "m", .above = 0, .usually_to = 1},
            "Rolling radius of the wheels (hertz).");
   s.number("rail_radius", bodies.rail_radius,
@@ -101,13 +101,14 @@ void WheelRailParameters::declare(input::Section& s) {
   s.number("poisson", bodies.poisson, {.above = -1, .at_most = 0.5},
            "Poisson's ratio of wheel and rail in their contact (hertz).");
   s.number("constant", constant, {.unit = "N/m^1.5", .at_least = 0, .usually_from = 1e10},
-           "Constant C of F = C approach^1.5 (hertz); 0: from radii and moduli.");
+           "Constant C of F = C * approach^1.5 (hertz); 0: from radii and moduli.");
   s.number("stiffness", stiffness, {.unit = "N/m", .above = 0},
            "Contact stiffness of one wheel on one rail (linear).");
   s.integer("flat_axle", flat_axle, {.at_least = 0, .at_most = 10000},
             "Number of the axle whose wheels have a flat (the first is 1); 0: none.");
   s.number("flat_length", flat_length, {.unit = "m", .above = 0, .usually_to = 0.2},
-           "Length of the flat, which has rounded edges and the depth length^2/(16 wheel_radius).");
+           "Length of the flat, which has rounded edges and the depth length^2/(16 * "
+           "wheel_radius).");
   s.number("flat_at", flat_at, {.unit = "m"},
            "x where the middle of the flat touches the rail, again after each turn of the wheel.");
   const input::About about{.severity = input::Severity::warning,

@@ -32,8 +32,8 @@ void SleeperParameters::declare(input::Section& s) {
   s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.2, .usually_to = 2},
            "Sleeper spacing, between centres.");
   s.number("y", y, {.unit = "m"},
-           "y of the sleeper centres (space). In a model of half a track it is the middle of the "
-           "half sleepers, between the wall at the track's middle and the sleeper ends.");
+           "y of the sleeper centres (3D models). Half track: y of the middle of the half "
+           "sleepers.");
   s.number("width", width, {.unit = "m", .above = 0, .usually_to = 2}, "Sleeper width, along x.");
   s.number("height", height, {.unit = "m", .above = 0, .usually_to = 1},
            "Sleeper height, along z.");
@@ -57,12 +57,12 @@ void SleeperParameters::declare(input::Section& s) {
 // Each kind of load uses some of these; the brackets state which.
 void SeatLoadParameters::declare(input::Section& s) {
   s.choice("kind", kind, {"winkler", "power", "table", "seats"},
-           "Seat loads; winkler: as the deflection of a beam on a Winkler bed; power: "
-           "ratio^((s/spacing)^2) at the distance s from an axle; table: one history for all "
-           "sleepers; seats: a history for each.");
+           "Seat loads; winkler: distributed along the track like the deflection of a beam on a "
+           "Winkler foundation; power: ratio^((s/spacing)^2) at the distance s from an axle; "
+           "table: one history for all sleepers; seats: a history for each.");
   s.number("peak", peak, {.unit = "N", .at_least = 0, .usually_from = 1e3, .usually_to = 1e6},
            "Seat load of one axle directly above the sleeper (winkler, power). A wheel load Q on a "
-           "beam on a Winkler bed gives Q decay spacing / 2.");
+           "beam on a Winkler foundation gives peak = Q * decay * spacing / 2.");
   s.number("speed", speed, {.unit = "m/s", .above = 0, .usually_from = 0.1, .usually_to = 98},
            "Speed of the axles along x.");
   s.numbers("axles", axles, {.unit = "m", .at_least = 0, .usually_to = 500},
@@ -72,17 +72,18 @@ void SeatLoadParameters::declare(input::Section& s) {
   s.number("decay", decay, {.unit = "1/m", .above = 0, .usually_from = 0.1, .usually_to = 10},
            "Decay b of the load exp(-b|s|) (cos b|s| + sin b|s|) at the distance s from an axle "
            "(winkler): b = (k / 4 E I)^(1/4), with E I of one rail and k, in Pa, the stiffness "
-           "below a seat over the spacing.");
+           "below a seat divided by the spacing.");
   s.number("ratio", ratio, {.above = 0},
-           "Load one spacing away from the axle over the peak (power).");
+           "Ratio of the load one sleeper spacing from the axle to the peak load (power).");
   s.file("file", file,
-         "CSV of seat loads; table: columns time_s and force_N, the load of the sleeper at x = 0, "
-         "which acts on the sleeper at x later by x/speed; seats: columns time_s, sleeper_0, "
-         "sleeper_1 and so on, in N. Loads are linear between rows, 0 before the first and after "
-         "the last.");
+         "CSV of seat loads; table: columns time_s and force_N, the load of the sleeper at x = 0; "
+         "at the sleeper at position x it acts with a delay of x/speed; seats: columns time_s, "
+         "sleeper_0, sleeper_1 and so on, in N. Loads are linear between rows, 0 before the first "
+         "and after the last.");
   s.number("gauge", gauge, {.unit = "m", .at_least = 0, .usually_to = 2},
            "Distance between the two seats of a sleeper, each with a column: sleeper_0_left, "
-           "sleeper_0_right and so on (seats, on a bed in space); 0: one seat in the middle.");
+           "sleeper_0_right and so on (seats, on a three-dimensional bed); 0: one seat in the "
+           "middle.");
   s.rule("axles", is_table() || !axles.empty(), "must contain at least one axle");
   s.rule("ratio", ratio < 1, "must be below 1");
   s.rule("gauge", gauge == 0 || kind == SeatLoadKind::seats,

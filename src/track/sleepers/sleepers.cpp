@@ -201,7 +201,7 @@ void RigidSleepers::advance(double dt, std::span<const double> seat_force,
   Impl& impl = *impl_;
   const std::size_t seats = count() > 0 ? seat_force.size() / count() : 1;
   require(seat_force.size() == seats * count() && (seats == 1 || seats == 2),
-          "a force on the seat of each sleeper, or on both");
+          "seat_force must have one or two values for each sleeper");
   require(seats == 1 || impl.parameters.gauge > 0, "two seats need a gauge");
   require(node_force.empty() || node_force.size() == count(),
           "one list of node forces per sleeper");

@@ -6,10 +6,11 @@ namespace trackbed::track {
 void RigidSleepers::archive(io::Archive& a) {
   Impl& impl = *impl_;
   std::vector<Body>& all = impl.bodies;
-  a("placed", impl.placed, {"-", "1: they are in the model; else 0"});
+  a("placed", impl.placed, {"-", "1: the sleepers are in the model; else 0"});
   a("bottom", impl.bottom, {"m", "height of the lower face as placed"});
-  a("last_window", impl.last_step, {"s", "its length"});
-  a.rows("displacement", all, {"m", "of the centre since it was placed"}, &Body::displacement);
+  a("last_window", impl.last_step, {"s", "length of the last window"});
+  a.rows("displacement", all, {"m", "of the centre since the sleeper was placed"},
+         &Body::displacement);
   a.rows("velocity", all, {"m/s", "of the centre, at mid-window"}, &Body::velocity);
   a.rows("acceleration", all, {"m/s^2", "of the centre, at the start of the last window"},
          &Body::acceleration);

@@ -26,14 +26,14 @@ struct Kelvin {
   double stiffness, damping;
 };
 
-// Unknowns of a body, -1: none.
-struct Body {
+// Indices, -1: none.
+struct BodyUnknowns {
   std::int32_t height, pitch = -1, roll = -1;
 };
 
-// Attachment point of springs: a body, m ahead of its centre.
-struct Point {
-  Body body;
+// Where springs are attached: a body, m ahead of its centre.
+struct Attachment {
+  BodyUnknowns body;
   double ahead = 0;
 };
 
@@ -50,9 +50,9 @@ class Builder {
 
   // Pitch if it has inertia for it, roll on two rails. With a lateral offset e of the centre of
   // mass its velocity is z' + e phi', which couples both.
-  Body body(const Inertia& of) {
+  BodyUnknowns body(const Inertia& of) {
     const double mass = of.mass * fraction_, aside = of.offset;
-    Body made{.height = add(mass, -mass * gravity)};
+    BodyUnknowns made{.height = add(mass, -mass * gravity)};
     if (of.pitch > 0) made.pitch = add(of.pitch * fraction_, 0);
     if (!rolls_) return made;
     made.roll = add(of.roll * fraction_ + mass * aside * aside, -mass * gravity * aside);
@@ -62,7 +62,7 @@ class Builder {
   }
 
   // Springs of both sides together, `base` m apart, which matters for roll only.
-  void join(const Point& upper, const Point& lower, const Kelvin& both, double base) {
+  void join(const Attachment& upper, const Attachment& lower, const Kelvin& both, double base) {
     if (!rolls_) return join(upper, lower, 0, both);
     const Kelvin one{both.stiffness / 2, both.damping / 2};
     for (const double side : {1.0, -1.0}) join(upper, lower, side * base / 2, one);
@@ -89,7 +89,7 @@ class Builder {
   }
 
   // Elongation of the spring = row . u; it adds stiffness row row^T to K, and likewise to C.
-  void join(const Point& upper, const Point& lower, double aside, const Kelvin& spring) {
+  void join(const Attachment& upper, const Attachment& lower, double aside, const Kelvin& spring) {
     const std::pair<std::int32_t, double> row[] = {
         {upper.body.height, 1},  {upper.body.pitch, upper.ahead},  {upper.body.roll, aside},
         {lower.body.height, -1}, {lower.body.pitch, -lower.ahead}, {lower.body.roll, -aside}};
@@ -109,9 +109,9 @@ class Builder {
 };
 
 // A bogie below a point of a body; its wheelsets are appended to the list, front first.
-void add_bogie(Builder& to, const VehicleParameters& v, const Point& above,
-               std::vector<Body>& wheelsets) {
-  const Body bogie = to.body({v.bogie_mass, v.bogie_inertia, v.bogie_roll});
+void add_bogie(Builder& to, const VehicleParameters& v, const Attachment& above,
+               std::vector<BodyUnknowns>& wheelsets) {
+  const BodyUnknowns bogie = to.body({v.bogie_mass, v.bogie_inertia, v.bogie_roll});
   to.join(above, {bogie}, {v.secondary_stiffness, v.secondary_damping}, v.secondary_base);
   for (const double end : {1.0, -1.0}) {
     wheelsets.push_back(to.body({v.wheelset_mass, 0, v.wheelset_roll}));
@@ -121,16 +121,16 @@ void add_bogie(Builder& to, const VehicleParameters& v, const Point& above,
 }
 
 // On one rail a wheelset represents both its wheels.
-std::vector<Body> add_bodies(Builder& to, const VehicleParameters& v) {
+std::vector<BodyUnknowns> add_bodies(Builder& to, const VehicleParameters& v) {
   const VehicleLayout layout = layout_of(v.kind);
   if (!layout.body) return {to.body({v.wheelset_mass, 0, v.wheelset_roll})};
   const double inertia = layout.pitches ? v.body_inertia : 0;
-  const Body body = to.body({v.body_mass, inertia, v.body_roll, v.body_offset});
-  std::vector<Body> wheelsets;
+  const BodyUnknowns body = to.body({v.body_mass, inertia, v.body_roll, v.body_offset});
+  std::vector<BodyUnknowns> wheelsets;
   for (int bogie = 0; bogie < layout.bogies; ++bogie)
     add_bogie(to, v, {body, ((layout.bogies - 1) / 2.0 - bogie) * v.bogie_distance}, wheelsets);
   if (layout.bogies > 0) return wheelsets;
-  const Body wheelset = to.body({v.wheelset_mass, 0, v.wheelset_roll});
+  const BodyUnknowns wheelset = to.body({v.wheelset_mass, 0, v.wheelset_roll});
   to.join({body}, {wheelset}, {v.primary_stiffness, v.primary_damping}, v.primary_base);
   return {wheelset};
 }
@@ -164,7 +164,7 @@ Train::Train(const TrainParameters& parameters, const std::vector<VehicleParamet
     const bool constant = layout.constant;
     const std::vector<double> axles = axles_of(v);
     first_.push_back(builder.unknowns());
-    std::vector<Body> wheelsets(axles.size(), Body{-1});
+    std::vector<BodyUnknowns> wheelsets(axles.size(), BodyUnknowns{-1});
     if (!constant) wheelsets = add_bodies(builder, v);
     const std::size_t each = rolls ? 2 : 1;  // wheels of an axle
     const double part = fraction / static_cast<double>(each);
@@ -204,7 +204,7 @@ std::vector<double> natural_frequencies(const VehicleParameters& vehicle, bool r
   if (!layout_of(v.kind).body) return {};
   Builder builder(1, rolls);
   std::vector<std::int32_t> held;
-  for (const Body& wheelset : add_bodies(builder, v))
+  for (const BodyUnknowns& wheelset : add_bodies(builder, v))
     held.insert(held.end(), {wheelset.height, wheelset.roll});
   std::vector<Eigen::Index> kept;
   for (std::int32_t i = 0; i < builder.unknowns(); ++i)

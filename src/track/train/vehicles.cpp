@@ -78,7 +78,7 @@ VehicleParameters x2_bogie() {
               "wheelset, axle load, axle spacing; the rest of manchester_1; length assumed"};
 }
 
-// Given for half a train: axle load 22.5 t.
+// Given for half a wagon: axle load 22.5 t.
 VehicleParameters freight_wagon() {
   return {.name = "freight_wagon",
           .length = 17,
@@ -92,7 +92,7 @@ VehicleParameters freight_wagon() {
           .bogie_distance = 14,
           .wheelbase = 1.8,
           .source =
-              "half-train data of a loaded wagon, doubled; inertias of "
+              "data of half a loaded wagon, doubled; inertias of "
               "uniform bars"};
 }
 
@@ -234,6 +234,7 @@ struct Usage {
   Has by;
 };
 constexpr Has by_coach = [](const VehicleLayout& l) { return l.bogies > 1; };
+constexpr Has by_pitch = [](const VehicleLayout& l) { return l.pitches; };
 constexpr Has by_bogies = [](const VehicleLayout& l) { return l.bogies > 0; };
 constexpr Has by_bodies = [](const VehicleLayout& l) { return l.body; };
 constexpr Has by_wheels = [](const VehicleLayout& l) { return l.wheelsets > 0; };
@@ -241,7 +242,7 @@ using V = VehicleParameters;
 constexpr Usage usages[] = {{"body_mass", &V::body_mass, by_bodies},
                             {"bogie_mass", &V::bogie_mass, by_bogies},
                             {"wheelset_mass", &V::wheelset_mass, by_wheels},
-                            {"body_inertia", &V::body_inertia, by_coach},
+                            {"body_inertia", &V::body_inertia, by_pitch},
                             {"bogie_inertia", &V::bogie_inertia, by_bogies},
                             {"primary_stiffness", &V::primary_stiffness, by_bodies},
                             {"primary_damping", &V::primary_damping, by_bodies},
@@ -262,7 +263,8 @@ void declare_unused(const V& given, const V& whole, input::Section& s) {
   const bool own = given.like.empty();
   const input::About about{.severity = own ? input::Severity::warning : input::Severity::problem};
   s.rule("kind", own || given.kind == VehicleKind::of_like || given.kind == whole.kind,
-         fmt::format("must be that of {} (like): leave out the kind", given.like));
+         fmt::format("must be the kind of the library vehicle named by `like` ({}); omit it",
+                     given.like));
   const VehicleLayout layout = layout_of(whole.kind);
   for (const Usage& one : usages)
     s.rule(one.name, given.*one.number == 0 || one.by(layout),
@@ -292,12 +294,13 @@ void VehicleParameters::declare_roll(input::Section& s) {
   const auto inertia = [&](const char* of, double& value, const char* words) {
     s.number(of, value, {.unit = "kg m2", .at_least = 0}, words);
   };
-  inertia("body_roll", body_roll,
-          "Roll inertia of the body about its centre of mass (on two rails); 0: mass (1.33 m)^2.");
+  inertia(
+      "body_roll", body_roll,
+      "Roll inertia of the body about its centre of mass (on two rails); 0: mass * (1.33 m)^2.");
   inertia("bogie_roll", bogie_roll,
-          "Roll inertia of one bogie (on two rails); 0: mass (0.81 m)^2.");
+          "Roll inertia of one bogie (on two rails); 0: mass * (0.81 m)^2.");
   inertia("wheelset_roll", wheelset_roll,
-          "Roll inertia of one wheelset (on two rails); 0: mass (0.79 m)^2.");
+          "Roll inertia of one wheelset (on two rails); 0: mass * (0.79 m)^2.");
   s.number("primary_base", primary_base, {.unit = "m", .at_least = 0, .usually_to = 3},
            "Lateral distance of left and right primary springs (on two rails); 0: 2 m.");
   s.number("secondary_base", secondary_base, {.unit = "m", .at_least = 0, .usually_to = 3},
@@ -324,9 +327,9 @@ void VehicleParameters::declare_masses(input::Section& s) {
   mass("bogie_mass", bogie_mass, "Mass of one bogie without wheelsets (coach, bogie).");
   mass("wheelset_mass", wheelset_mass, "Mass of one wheelset.");
   s.number("body_inertia", body_inertia, {.unit = "kg m2", .at_least = 0},
-           "Pitch inertia of the body (coach); 0: mass length^2/12.");
+           "Pitch inertia of the body (coach); 0: mass * length^2/12.");
   s.number("bogie_inertia", bogie_inertia, {.unit = "kg m2", .at_least = 0},
-           "Pitch inertia of one bogie (coach, bogie); 0: mass wheelbase^2/12.");
+           "Pitch inertia of one bogie (coach, bogie); 0: mass * wheelbase^2/12.");
 }
 
 void VehicleParameters::declare_springs(input::Section& s) {
@@ -353,9 +356,11 @@ void VehicleParameters::declare(input::Section& s) {
   std::vector<std::string_view> library = {""};
   for (const VehicleParameters& known : vehicle_library()) library.push_back(known.name);
   s.text("name", name, "Name by which the train refers to the vehicle.", {}, true);
-  s.text("like", like, "Vehicle of the library that gives the kind and all values that are 0.",
+  s.text("like", like,
+         "Library vehicle from which the kind and every value not given here (or given as 0) are "
+         "taken.",
          library);
-  s.choice("kind", kind, {"coach", "sprung", "wheel", "forces", "bogie", ""},
+  s.choice("kind", kind, vehicle_kinds(),
            "Kind of vehicle; coach: body, two bogies, four wheelsets; sprung: a mass on one "
            "wheelset; wheel: one wheelset; forces: constant forces of axles; bogie: one bogie, two "
            "wheelsets and the mass above; empty: that of `like`, or coach.");
@@ -387,8 +392,8 @@ void TrainParameters::declare(input::Section& s) {
   s.number("start", start, {.unit = "m", .usually_from = -500, .usually_to = 2000},
            "x of the first axle at the start.");
   s.numbers("times", times, {.unit = "s", .above = 0, .usually_to = 1000},
-            "Times since the start at which train.speeds are reached; before and in between the "
-            "speed is linear, after the last time constant.");
+            "Times since the start at which train.speeds are reached; up to the last time the "
+            "speed varies linearly; after it, the speed is constant.");
   s.numbers("speeds", speeds, {.unit = "m/s", .at_least = 0, .usually_from = 1, .usually_to = 170},
             "Speed at each of train.times; 0: the train stands. Longitudinal effects of braking on "
             "the vehicles are not modelled.");

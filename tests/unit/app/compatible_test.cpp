@@ -10,7 +10,7 @@
 #include "trackbed/model/effective.hpp"
 #include "unit/io/scratch.hpp"
 
-namespace trackbed::app {
+namespace trackbed::app::compatible_test {
 namespace {
 
 std::string without(std::string text, const std::string& line) {
@@ -139,4 +139,4 @@ TEST(Compatible, PartsOfTheStateFixParameters) {
 }
 
 }  // namespace
-}  // namespace trackbed::app
+}  // namespace trackbed::app::compatible_test

@@ -4,7 +4,7 @@
 #include "trackbed/bed/bed.hpp"
 #include "unit/bed/rules.hpp"
 
-namespace trackbed::bed {
+namespace trackbed::bed::bed_rules_test {
 namespace {
 
 using Names = std::set<std::string>;
@@ -66,4 +66,4 @@ TEST(BedRules, StonesCanBeGenerated) {
 }
 
 }  // namespace
-}  // namespace trackbed::bed
+}  // namespace trackbed::bed::bed_rules_test

@@ -8,7 +8,7 @@
 #include "bed/plate.hpp"
 #include "trackbed/core/error.hpp"
 
-namespace trackbed::bed {
+namespace trackbed::bed::columns_test {
 namespace {
 
 struct Scene {
@@ -180,4 +180,4 @@ TEST(Walls, FaceTheBedAndLeaveOutPeriodicSides) {
 }
 
 }  // namespace
-}  // namespace trackbed::bed
+}  // namespace trackbed::bed::columns_test

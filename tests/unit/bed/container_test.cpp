@@ -8,7 +8,7 @@
 #include "bed/columns.hpp"
 #include "trackbed/bed/bed.hpp"
 
-namespace trackbed::bed {
+namespace trackbed::bed::container_test {
 namespace {
 
 dem::Domain domain() {
@@ -179,4 +179,4 @@ TEST(LiftedWalls, LeaveTheFloorBehind) {
 }
 
 }  // namespace
-}  // namespace trackbed::bed
+}  // namespace trackbed::bed::container_test

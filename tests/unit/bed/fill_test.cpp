@@ -7,7 +7,7 @@
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/hash.hpp"
 
-namespace trackbed::bed {
+namespace trackbed::bed::fill_test {
 namespace {
 
 struct Bed {
@@ -86,4 +86,4 @@ TEST(Fill, TheHeightIsPredicted) {
 }
 
 }  // namespace
-}  // namespace trackbed::bed
+}  // namespace trackbed::bed::fill_test

@@ -13,7 +13,7 @@
 #include "trackbed/core/error.hpp"
 #include "unit/bed/rules.hpp"
 
-namespace trackbed::bed {
+namespace trackbed::bed::grading_test {
 namespace {
 
 constexpr double rounding = 1e-12;
@@ -242,4 +242,4 @@ TEST(Shapes, ImpossibleStonesAreBadInput) {
 }
 
 }  // namespace
-}  // namespace trackbed::bed
+}  // namespace trackbed::bed::grading_test

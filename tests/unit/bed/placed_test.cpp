@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace trackbed {
+namespace trackbed::placed_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -123,4 +123,4 @@ TEST(PlacedShape, GeneratedStonesHaveTheSpecifiedSize) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::placed_test

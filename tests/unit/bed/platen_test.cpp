@@ -6,7 +6,7 @@
 #include "trackbed/bed/bed.hpp"
 #include "trackbed/core/hash.hpp"
 
-namespace trackbed::bed {
+namespace trackbed::bed::platen_test {
 namespace {
 
 constexpr double dt = 1e-4;  // s
@@ -223,4 +223,4 @@ TEST(Platen, ResumedRunIsBitwiseIdentical) {
 }
 
 }  // namespace
-}  // namespace trackbed::bed
+}  // namespace trackbed::bed::platen_test

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-namespace trackbed::bed {
+namespace trackbed::bed::tamping_test {
 namespace {
 
 constexpr double top = 0.5, underside = 0.32;  // m
@@ -154,4 +154,4 @@ TEST(Tines, ExtendAcrossAPlaneModel) {
 }
 
 }  // namespace
-}  // namespace trackbed::bed
+}  // namespace trackbed::bed::tamping_test

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace trackbed {
+namespace trackbed::fine_sum_test {
 namespace {
 
 constexpr double range = 1e8;
@@ -94,4 +94,4 @@ TEST(FineSum, CarriesAndStaysInRange) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::fine_sum_test

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <map>
 
-namespace trackbed::couple {
+namespace trackbed::couple::footprints_test {
 namespace {
 
 constexpr double rounding = 1e-13;
@@ -222,4 +222,4 @@ TEST(Footprints, MeansResolveValuesFarBelowTheLargest) {
 }
 
 }  // namespace
-}  // namespace trackbed::couple
+}  // namespace trackbed::couple::footprints_test

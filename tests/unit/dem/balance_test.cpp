@@ -10,7 +10,7 @@
 #include "trackbed/geom/stone.hpp"
 #include "trackbed/par/partition.hpp"
 
-namespace trackbed {
+namespace trackbed::balance_test {
 namespace {
 
 constexpr double dt = 2e-5;  // s, well below sqrt(m/k) of the scenes
@@ -254,4 +254,4 @@ TEST(Split, AGraphWithFewerVerticesThanPartsIsLeftToBisection) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::balance_test

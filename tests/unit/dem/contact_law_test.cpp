@@ -4,7 +4,7 @@
 #include "dem/law/laws.hpp"
 #include "trackbed/dem/stiffness.hpp"
 
-namespace trackbed::dem {
+namespace trackbed::dem::contact_law_test {
 namespace {
 
 using Stretch = Triple<double>;
@@ -144,4 +144,4 @@ TEST(ContactLaw, DampingDoesNotPullUnlessAllowed) {
 }
 
 }  // namespace
-}  // namespace trackbed::dem
+}  // namespace trackbed::dem::contact_law_test

@@ -9,7 +9,7 @@
 #include "dem/law/laws.hpp"
 #include "trackbed/core/hash.hpp"
 
-namespace trackbed::dem {
+namespace trackbed::dem::contact_work_test {
 namespace {
 
 constexpr double young = 1e9, radius = 0.02, root_mass = 0.2;  // Pa, m, sqrt(kg)
@@ -370,4 +370,4 @@ TEST(ContactWork, EightInLanesAreBitwiseIdenticalToOne) {
 }
 
 }  // namespace
-}  // namespace trackbed::dem
+}  // namespace trackbed::dem::contact_work_test

@@ -6,7 +6,7 @@
 
 #include "support/stones.hpp"
 
-namespace trackbed {
+namespace trackbed::growth_test {
 namespace {
 
 constexpr double dt = 2e-5;         // s
@@ -123,4 +123,4 @@ TEST_F(Growth, EndsAtFullSizeAndKeepsMasses) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::growth_test

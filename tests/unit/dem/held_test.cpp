@@ -7,7 +7,7 @@
 
 #include "support/scene.hpp"
 
-namespace trackbed {
+namespace trackbed::held_test {
 namespace {
 
 constexpr double r = 0.01;  // m
@@ -107,4 +107,4 @@ TEST(Held, StaysDrivenWhenOthersAreStopped) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::held_test

@@ -6,7 +6,7 @@
 #include "support/scene.hpp"
 #include "trackbed/core/error.hpp"
 
-namespace trackbed {
+namespace trackbed::particles_contact_test {
 namespace {
 
 dem::ContactLaw elastic(double friction = 0) {
@@ -216,4 +216,4 @@ TEST(Contact, LostAndOverlappingParticlesAreReported) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::particles_contact_test

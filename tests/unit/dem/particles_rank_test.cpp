@@ -4,7 +4,7 @@
 
 #include "support/scene.hpp"
 
-namespace trackbed {
+namespace trackbed::particles_rank_test {
 namespace {
 
 constexpr double dt = 5e-5;  // s, well below sqrt(m/k) of the scenes, 3e-4 s
@@ -100,4 +100,4 @@ TEST(Ranks, NodeLoadsAreExact) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::particles_rank_test

@@ -3,7 +3,7 @@
 
 #include "support/scene.hpp"
 
-namespace trackbed {
+namespace trackbed::particles_surface_test {
 namespace {
 
 dem::ContactLaw rough() {
@@ -136,4 +136,4 @@ TEST(Surface, AMovingFloorCarriesTheWeightOfTheSphere) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::particles_surface_test

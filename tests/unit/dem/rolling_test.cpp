@@ -6,7 +6,7 @@
 #include "support/stone_pairs.hpp"
 #include "support/stones.hpp"
 
-namespace trackbed {
+namespace trackbed::rolling_test {
 namespace {
 
 constexpr double dt = 2e-5;    // s, sqrt(m/k) is 6e-4 s
@@ -273,4 +273,4 @@ TEST(Rolling, TheFloorGetsTheOppositeMoment) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::rolling_test

@@ -6,7 +6,7 @@
 #include "dem/shape/features.hpp"
 #include "support/stone_pairs.hpp"
 
-namespace trackbed {
+namespace trackbed::separation_test {
 namespace {
 
 // A core of a random stone, box, plate, bar or point of about 1 m, rotated and moved.
@@ -159,4 +159,4 @@ TEST(Separation, SeparatingAxisIsTheSmallestSeparation) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::separation_test

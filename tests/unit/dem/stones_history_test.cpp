@@ -3,7 +3,7 @@
 
 #include "support/stone_pairs.hpp"
 
-namespace trackbed {
+namespace trackbed::stones_history_test {
 namespace {
 
 constexpr double k = 1e6;      // N/m
@@ -177,4 +177,4 @@ TEST(StoneFriction, HistorySurvivesAChangeOfFeatures) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::stones_history_test

@@ -8,7 +8,7 @@
 #include "support/stone_pairs.hpp"
 #include "trackbed/io/file.hpp"
 
-namespace trackbed {
+namespace trackbed::stones_rank_test {
 namespace {
 
 constexpr double dt = 2e-5;  // s, a tenth of sqrt(m/k)
@@ -113,4 +113,4 @@ TEST(StoneCrowd, ACheckpointBetweenChangesNothing) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::stones_rank_test

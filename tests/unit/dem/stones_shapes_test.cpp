@@ -3,7 +3,7 @@
 
 #include "support/stone_pairs.hpp"
 
-namespace trackbed {
+namespace trackbed::stones_shapes_test {
 namespace {
 
 constexpr double k = 1e6;   // N/m
@@ -133,4 +133,4 @@ TEST(StoneShapes, TheForceOnFlatCoresIsTheGradient) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::stones_shapes_test

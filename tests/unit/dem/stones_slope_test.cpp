@@ -4,7 +4,7 @@
 
 #include "support/stones.hpp"
 
-namespace trackbed {
+namespace trackbed::stones_slope_test {
 namespace {
 
 constexpr double mu = 0.7;           // its angle is 34.99 degrees
@@ -83,4 +83,4 @@ TEST(StonesOnSlope, BeyondItTheySlideWithTheRemainingAcceleration) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::stones_slope_test

@@ -6,7 +6,7 @@
 
 #include "support/stones.hpp"
 
-namespace trackbed {
+namespace trackbed::stones_surface_rank_test {
 namespace {
 
 constexpr double dt = 2e-5;  // s
@@ -116,4 +116,4 @@ TEST(StoneSurfaceRanks, ARestartIsBitwiseIdentical) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::stones_surface_rank_test

@@ -6,7 +6,7 @@
 
 #include "support/stones.hpp"
 
-namespace trackbed {
+namespace trackbed::stones_surface_test {
 namespace {
 
 const Vec3 half(0.03, 0.02, 0.015);  // m, of the brick
@@ -314,4 +314,4 @@ TEST(StoneOnSurface, TheSurfaceGetsTheOppositeForceAndMoment) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::stones_surface_test

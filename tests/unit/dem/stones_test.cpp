@@ -7,7 +7,7 @@
 
 #include "support/stone_pairs.hpp"
 
-namespace trackbed {
+namespace trackbed::stones_test {
 namespace {
 
 constexpr double k = 1e6;      // N/m
@@ -390,4 +390,4 @@ TEST(StonePair, ValuesThatAreNotNumbersEndTheRun) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::stones_test

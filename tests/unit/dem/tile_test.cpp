@@ -7,7 +7,7 @@
 
 #include "support/stones.hpp"
 
-namespace trackbed {
+namespace trackbed::tile_test {
 namespace {
 
 constexpr double dt = 2e-5;      // s
@@ -220,4 +220,4 @@ TEST_F(Tiling, ARestartIsBitwiseIdentical) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::tile_test

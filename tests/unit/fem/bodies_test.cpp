@@ -8,7 +8,7 @@
 #include "fem/bodies/bodies_system.hpp"
 #include "unit/io/scratch.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::bodies_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -334,4 +334,4 @@ TEST(Bodies, TheTrapezoidalDisplacementFollowsTheVelocities) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::bodies_test

@@ -14,7 +14,7 @@
 #include "unit/fem/embankment_scene.hpp"
 #include "unit/fem/pushed_top.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::embankment_test {
 namespace {
 
 using par::Comm;
@@ -289,4 +289,4 @@ TEST(Embankment, IsBitwiseIdenticalOnAnyNumberOfRanksAndAfterAStop) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::embankment_test

@@ -12,7 +12,7 @@
 #include "unit/fem/mesh_scene.hpp"
 #include "unit/fem/wave.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::free_field_test {
 namespace {
 
 using par::Comm;
@@ -218,4 +218,4 @@ TEST(BaseMotion, RefusesWavesThatBeginOrEndInMotion) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::free_field_test

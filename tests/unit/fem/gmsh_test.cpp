@@ -7,7 +7,7 @@
 #include "trackbed/core/error.hpp"
 #include "unit/fem/mesh_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::gmsh_test {
 namespace {
 
 const TetBox& box() {
@@ -235,4 +235,4 @@ TEST(Gmsh, FuzzedFilesAreGroundsOrErrors) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::gmsh_test

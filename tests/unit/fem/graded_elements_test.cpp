@@ -7,7 +7,7 @@
 #include "fem/mesh/lattice.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::graded_elements_test {
 namespace {
 
 using par::Comm;
@@ -168,4 +168,4 @@ TEST_P(Graded, ExplicitRunIsBitwiseIdenticalOnAnyRankCount) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::graded_elements_test

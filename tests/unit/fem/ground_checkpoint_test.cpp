@@ -7,7 +7,7 @@
 #include "trackbed/io/file.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::ground_checkpoint_test {
 namespace {
 
 using par::Comm;
@@ -109,4 +109,4 @@ TEST_P(SavedImplicit, ContinuesBitwiseIdentically) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::ground_checkpoint_test

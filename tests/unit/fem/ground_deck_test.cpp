@@ -7,7 +7,7 @@
 #include "trackbed/fem/ground.hpp"
 #include "trackbed/input/deck.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::ground_deck_test {
 namespace {
 
 GroundParameters read(const std::string& text) {
@@ -141,4 +141,4 @@ TEST(GroundDeck, LayersHaveElements) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::ground_deck_test

@@ -9,7 +9,7 @@
 #include "trackbed/io/file.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::ground_fields_test {
 namespace {
 
 using par::Comm;
@@ -182,4 +182,4 @@ TEST(Principal, IsThatOfTheTensor) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::ground_fields_test

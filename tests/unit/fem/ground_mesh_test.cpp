@@ -10,7 +10,7 @@
 #include "unit/fem/mesh_scene.hpp"
 #include "unit/fem/pushed_top.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::ground_mesh_test {
 namespace {
 
 using par::Comm;
@@ -227,4 +227,4 @@ TEST(GroundOfTetrahedra, TopIsASurfaceOfTriangles) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::ground_mesh_test

@@ -10,7 +10,7 @@
 #include "unit/fem/compared.hpp"
 #include "unit/fem/wave.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::ground_sides_test {
 namespace {
 
 using par::Comm;
@@ -279,4 +279,4 @@ TEST_P(SidesIn, MixedContinueBitwiseIdentically) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::ground_sides_test

@@ -8,7 +8,7 @@
 #include "trackbed/core/hash.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::ground_test {
 namespace {
 
 using par::Comm;
@@ -214,4 +214,4 @@ TEST(Ground, MoreRanksThanElementsWork) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::ground_test

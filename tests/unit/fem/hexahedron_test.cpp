@@ -5,7 +5,7 @@
 
 #include "fem/shape/element.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::hexahedron_test {
 namespace {
 
 // Rounding of a 24x24 stiffness relative to its largest entry.
@@ -134,4 +134,4 @@ TEST(ElementMatrices, PlaneStressStretchesByYoungsModulus) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::hexahedron_test

@@ -15,7 +15,7 @@
 #include "trackbed/fem/petsc.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::implicit_speed_test {
 namespace {
 
 using par::Comm;
@@ -102,4 +102,4 @@ TEST_P(Speed, DefaultIsNearTheBest) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::implicit_speed_test

@@ -9,7 +9,7 @@
 #include "trackbed/core/hash.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::materials_test {
 namespace {
 
 using par::Comm;
@@ -171,4 +171,4 @@ TEST(Modulus, RefusesInvalidTables) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::materials_test

@@ -8,7 +8,7 @@
 #include "fem/boundary/terms.hpp"
 #include "unit/fem/mesh_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::mesh_terms_test {
 namespace {
 
 using par::Comm;
@@ -209,4 +209,4 @@ TEST(TermsOfTetrahedra, StepsUpToTheCriticalOneAreStable) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::mesh_terms_test

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace trackbed::fem {
+namespace trackbed::fem::mohr_coulomb_test {
 namespace {
 
 // Relative to the largest value: eigenvectors and a system of three.
@@ -190,4 +190,4 @@ TEST(MohrCoulomb, SubStepsConverge) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::mohr_coulomb_test

@@ -9,7 +9,7 @@
 #include "unit/fem/compared.hpp"
 #include "unit/fem/wave.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::periodic_ground_test {
 namespace {
 
 using par::Comm;
@@ -251,4 +251,4 @@ TEST_P(PeriodicIn, ContinuesBitwiseIdentically) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::periodic_ground_test

@@ -14,7 +14,7 @@
 #include "trackbed/io/file.hpp"
 #include "unit/fem/yielding_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::plastic_step_test {
 namespace {
 
 using par::Comm;
@@ -464,4 +464,4 @@ TEST(LongSteps, DissipateNoWork) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::plastic_step_test

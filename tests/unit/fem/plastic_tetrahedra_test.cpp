@@ -11,7 +11,7 @@
 #include "unit/fem/embankment_scene.hpp"
 #include "unit/fem/pushed_top.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::plastic_tetrahedra_test {
 namespace {
 
 using par::Comm;
@@ -179,4 +179,4 @@ TEST(PlasticTetrahedra, ImplicitStepsAgreeWithExplicitOnes) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::plastic_tetrahedra_test

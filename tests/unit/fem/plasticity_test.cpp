@@ -11,7 +11,7 @@
 #include "trackbed/io/file.hpp"
 #include "unit/fem/yielding_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::plasticity_test {
 namespace {
 
 using par::Comm;
@@ -225,4 +225,4 @@ TEST(Rest, RefusesAnUnstableCut) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::plasticity_test

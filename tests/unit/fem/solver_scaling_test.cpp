@@ -15,7 +15,7 @@
 #include "trackbed/fem/petsc.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::solver_scaling_test {
 namespace {
 
 using par::Comm;
@@ -62,4 +62,4 @@ TEST_P(Scaling, IterationsHardlyGrow) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::solver_scaling_test

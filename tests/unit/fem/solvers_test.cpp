@@ -12,7 +12,7 @@
 #include "trackbed/fem/petsc.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::solvers_test {
 namespace {
 
 using par::Comm;
@@ -103,4 +103,4 @@ TEST(Solver, ThatSolvesNothingIsRefused) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::solvers_test

@@ -10,7 +10,7 @@
 #include "unit/fem/embankment_scene.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::split_test {
 namespace {
 
 // METIS has a tolerance of 3 %; cuts are between elements, their nodes belong to the lower rank.
@@ -107,4 +107,4 @@ TEST(Split, InterfaceHasALargerWeight) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::split_test

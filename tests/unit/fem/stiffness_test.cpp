@@ -10,7 +10,7 @@
 #include "fem/mesh/mesh.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::stiffness_test {
 namespace {
 
 using par::Comm;
@@ -108,4 +108,4 @@ TEST_P(Kernel, EveryNodeHasOneOwnerAndGhostsFollowIt) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::stiffness_test

@@ -9,7 +9,7 @@
 #include "fem/shape/tetrahedron.hpp"
 #include "unit/fem/mesh_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::tetrahedra_test {
 namespace {
 
 constexpr double rounding = 1e-13;
@@ -109,4 +109,4 @@ TEST(Tetrahedra, LinearMotionIsConstantStress) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::tetrahedra_test

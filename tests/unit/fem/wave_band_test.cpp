@@ -7,7 +7,7 @@
 
 #include "unit/fem/wave.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::wave_band_test {
 namespace {
 
 // The energy of its velocity over frequency is that of a chi-squared variable with 3 degrees of
@@ -26,11 +26,11 @@ TEST(WaveBand, HasTheEnergyOfARickerWavelet) {
   EXPECT_EQ(up.frequency_of(0.95), 0);
 }
 
-// Motion before the release of the ground does not count.
+// Motion before the ground starts to move does not count.
 TEST(WaveBand, BeginsWhenTheGroundIsReleased) {
   const BaseMotion wave(wave_table(par::Comm::self(), "late_half", {50, 0}, 1.0, 0, 5e-4));
   EXPECT_GE(WaveBand(wave, 0).time_of(0), 0);
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::wave_band_test

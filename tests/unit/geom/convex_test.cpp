@@ -11,7 +11,7 @@
 #include "trackbed/core/hash.hpp"
 #include "trackbed/geom/stone.hpp"
 
-namespace trackbed::geom {
+namespace trackbed::geom::convex_test {
 namespace {
 
 using Points = std::vector<Vec3>;
@@ -219,4 +219,4 @@ TEST(Rounded, CompoundOfOverlappingBoxes) {
 }
 
 }  // namespace
-}  // namespace trackbed::geom
+}  // namespace trackbed::geom::convex_test

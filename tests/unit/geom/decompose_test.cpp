@@ -10,7 +10,7 @@
 #include "trackbed/geom/mesh.hpp"
 #include "unit/geom/bodies.hpp"
 
-namespace trackbed::geom {
+namespace trackbed::geom::decompose_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -160,4 +160,4 @@ TEST(Clump, MoreSpheresComeNearer) {
 }
 
 }  // namespace
-}  // namespace trackbed::geom
+}  // namespace trackbed::geom::decompose_test

@@ -12,7 +12,7 @@
 #include "trackbed/core/hash.hpp"
 #include "unit/geom/bodies.hpp"
 
-namespace trackbed::geom {
+namespace trackbed::geom::mesh_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -230,4 +230,4 @@ TEST(Import, SurvivesDamagedFiles) {
 }
 
 }  // namespace
-}  // namespace trackbed::geom
+}  // namespace trackbed::geom::mesh_test

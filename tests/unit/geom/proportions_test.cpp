@@ -9,7 +9,7 @@
 #include "trackbed/core/hash.hpp"
 #include "trackbed/geom/stone.hpp"
 
-namespace trackbed::geom {
+namespace trackbed::geom::proportions_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -198,4 +198,4 @@ TEST(Proportions, ThatAreImpossibleAreRefused) {
 }
 
 }  // namespace
-}  // namespace trackbed::geom
+}  // namespace trackbed::geom::proportions_test

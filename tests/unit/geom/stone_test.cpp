@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace trackbed::geom {
+namespace trackbed::geom::stone_test {
 namespace {
 
 using Point = Eigen::Vector2d;
@@ -191,4 +191,4 @@ TEST(Union, PointsOfAClumpLieInItsDisks) {
 }
 
 }  // namespace
-}  // namespace trackbed::geom
+}  // namespace trackbed::geom::stone_test

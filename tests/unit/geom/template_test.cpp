@@ -9,7 +9,7 @@
 #include "trackbed/core/hash.hpp"
 #include "trackbed/geom/stone.hpp"
 
-namespace trackbed::geom {
+namespace trackbed::geom::template_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -217,4 +217,4 @@ TEST(Stone, ReachesTheStatisticsOfScannedOnes) {
 }
 
 }  // namespace
-}  // namespace trackbed::geom
+}  // namespace trackbed::geom::template_test

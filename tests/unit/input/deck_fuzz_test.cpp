@@ -7,7 +7,7 @@
 
 #include "unit/input/example.hpp"
 
-namespace trackbed::input {
+namespace trackbed::input::deck_fuzz_test {
 namespace {
 
 const char* const valid =
@@ -134,4 +134,4 @@ TEST(Effective, ReadsBackBitwiseIdentical) {
 }
 
 }  // namespace
-}  // namespace trackbed::input
+}  // namespace trackbed::input::deck_fuzz_test

@@ -6,7 +6,7 @@
 
 #include "unit/input/example.hpp"
 
-namespace trackbed::input {
+namespace trackbed::input::deck_test {
 namespace {
 
 using Sentences = std::vector<std::string>;
@@ -49,7 +49,8 @@ TEST(Deck, ReportsAllProblemsAtOnceInTheOrderOfTheFile) {
                 "deck.toml:1: box = [1, 2] must be a list of 3 numbers, not of 2",
                 "deck.toml:3: dem.skn is not a parameter; did you mean dem.skin?",
                 "deck.toml:4: dem.safety = \"high\" must be a number",
-                "deck.toml:5: dem.law = \"hetrz\" must be linear or hertz; did you mean hertz?",
+                "deck.toml:5: dem.law = \"hetrz\" must be \"linear\" or \"hertz\"; did you mean "
+                "hertz?",
                 "deck.toml:6: dem.rolling = 1 must be true or false",
                 "deck.toml:7: dem.steps = 0 must be at least 1",
                 "deck.toml:8: layer[0].young must be given (in Pa)",
@@ -77,13 +78,13 @@ TEST(Deck, ReportsWhatAValueMustBe) {
                 "deck.toml:2: dem.skin = nan must be a finite number",
                 "deck.toml:3: dem.safety = inf must be a finite number",
                 "deck.toml:4: dem.steps = 1.5 must be a whole number",
-                "deck.toml:5: dem.law = {...} must be linear or hertz",
+                "deck.toml:5: dem.law = {...} must be \"linear\" or \"hertz\"",
             }));
   EXPECT_EQ(problems_of("[dem]\nskin = '5 mm'\nsafety = '0.5'\nlaw = 2020-01-01\n"),
             (Sentences{
                 "deck.toml:2: dem.skin = \"5 mm\" must be a number; give a number in m",
                 "deck.toml:3: dem.safety = \"0.5\" must be a number; give a number without quotes",
-                "deck.toml:4: dem.law = 2020-01-01 must be linear or hertz",
+                "deck.toml:4: dem.law = 2020-01-01 must be \"linear\" or \"hertz\"",
             }));
 }
 
@@ -258,4 +259,4 @@ TEST(Nearest, CountsSwapsAndReturnsNothingIfNoNameIsNear) {
 }
 
 }  // namespace
-}  // namespace trackbed::input
+}  // namespace trackbed::input::deck_test

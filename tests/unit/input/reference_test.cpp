@@ -5,7 +5,7 @@
 
 #include "unit/input/example.hpp"
 
-namespace trackbed::input {
+namespace trackbed::input::reference_test {
 namespace {
 
 std::vector<std::string> paths() {
@@ -77,4 +77,4 @@ TEST(Reference, SchemaHoldsAllParameters) {
 }
 
 }  // namespace
-}  // namespace trackbed::input
+}  // namespace trackbed::input::reference_test

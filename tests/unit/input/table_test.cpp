@@ -7,7 +7,7 @@
 
 #include "trackbed/core/error.hpp"
 
-namespace trackbed::input {
+namespace trackbed::input::table_test {
 namespace {
 
 using Columns = std::vector<std::vector<double>>;
@@ -85,4 +85,4 @@ TEST(Table, ReportsRowsThatDoNotIncrease) {
 }
 
 }  // namespace
-}  // namespace trackbed::input
+}  // namespace trackbed::input::table_test

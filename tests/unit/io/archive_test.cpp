@@ -7,7 +7,7 @@
 #include "trackbed/core/error.hpp"
 #include "unit/io/scratch.hpp"
 
-namespace trackbed::io {
+namespace trackbed::io::archive_test {
 namespace {
 
 enum class Colour { red, green };
@@ -143,4 +143,4 @@ TEST_F(ArchiveTest, OtherShapesAreRefused) {
 }
 
 }  // namespace
-}  // namespace trackbed::io
+}  // namespace trackbed::io::archive_test

@@ -9,7 +9,7 @@
 #include "trackbed/io/checkpoint.hpp"
 #include "unit/io/scratch.hpp"
 
-namespace trackbed::io {
+namespace trackbed::io::checkpoint_damage_test {
 namespace {
 
 const std::vector<double>& content() {
@@ -86,4 +86,4 @@ TEST_F(Damage, ZeroedBlocksAreRefusedOrHarmless) {
 }
 
 }  // namespace
-}  // namespace trackbed::io
+}  // namespace trackbed::io::checkpoint_damage_test

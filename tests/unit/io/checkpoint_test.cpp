@@ -11,7 +11,7 @@
 #include "trackbed/core/error.hpp"
 #include "unit/io/scratch.hpp"
 
-namespace trackbed::io {
+namespace trackbed::io::checkpoint_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -186,4 +186,4 @@ TEST(Checkpoint, FailsCleanlyWhereNothingCanBeWritten) {
 }
 
 }  // namespace
-}  // namespace trackbed::io
+}  // namespace trackbed::io::checkpoint_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace trackbed::io {
+namespace trackbed::io::fields_test {
 namespace {
 
 const par::Comm world() { return par::Comm::world(); }
@@ -52,4 +52,4 @@ TEST(Fields, WritesNothingAtAll) {
 }
 
 }  // namespace
-}  // namespace trackbed::io
+}  // namespace trackbed::io::fields_test

@@ -12,7 +12,7 @@
 #include "trackbed/io/file.hpp"
 #include "unit/io/scratch.hpp"
 
-namespace trackbed::io {
+namespace trackbed::io::file_failure_test {
 namespace {
 
 par::Comm world() { return par::Comm::world(); }
@@ -138,4 +138,4 @@ TEST(FileFailure, KeepsTheLastCheckpointWhenTheDiskFillsUp) {
 }
 
 }  // namespace
-}  // namespace trackbed::io
+}  // namespace trackbed::io::file_failure_test

@@ -12,7 +12,7 @@
 #include "trackbed/core/hash.hpp"
 #include "unit/io/scratch.hpp"
 
-namespace trackbed::io {
+namespace trackbed::io::file_test {
 namespace {
 
 par::Comm world() { return par::Comm::world(); }
@@ -194,4 +194,4 @@ TEST(File, SplitsRowsEvenly) {
 }
 
 }  // namespace
-}  // namespace trackbed::io
+}  // namespace trackbed::io::file_test

@@ -11,7 +11,7 @@
 #include "model/check/estimate.hpp"
 #include "trackbed/geom/stone.hpp"
 
-namespace trackbed::model {
+namespace trackbed::model::cribs_test {
 namespace {
 
 Model model(Dimension dimension) {
@@ -222,4 +222,4 @@ TEST(Forecast, CountsTheStonesThatRemain) {
 }
 
 }  // namespace
-}  // namespace trackbed::model
+}  // namespace trackbed::model::cribs_test

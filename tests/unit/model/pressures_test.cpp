@@ -11,7 +11,7 @@
 
 #include "trackbed/core/error.hpp"
 
-namespace trackbed::model {
+namespace trackbed::model::pressures_test {
 namespace {
 
 constexpr double rounding = 1e-12;  // relative
@@ -150,4 +150,4 @@ TEST(Pressures, AFixedOneOutsideOfTheTopIsRefused) {
 }
 
 }  // namespace
-}  // namespace trackbed::model
+}  // namespace trackbed::model::pressures_test

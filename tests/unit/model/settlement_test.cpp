@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace trackbed::model {
+namespace trackbed::model::settlement_test {
 namespace {
 
 constexpr double dt = 0.01;                       // s
@@ -75,4 +75,4 @@ TEST(Settlement, ContinuesFromACheckpoint) {
 }
 
 }  // namespace
-}  // namespace trackbed::model
+}  // namespace trackbed::model::settlement_test

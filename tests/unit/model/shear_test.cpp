@@ -5,7 +5,7 @@
 
 #include "support/stones.hpp"
 
-namespace trackbed::model {
+namespace trackbed::model::shear_test {
 namespace {
 
 constexpr double half = 0.02, mu = 0.5, density = 2650;  // m, -, kg/m^3
@@ -142,4 +142,4 @@ TEST(StonesBesideTheFloor, AreRemovedAndNoOthers) {
 }
 
 }  // namespace
-}  // namespace trackbed::model
+}  // namespace trackbed::model::shear_test

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace trackbed::model {
+namespace trackbed::model::waiting_test {
 namespace {
 
 using clock = std::chrono::steady_clock;
@@ -56,4 +56,4 @@ TEST(Waiting, EndsAtOnceAndReportsNothingBeforeTheFirstInterval) {
 }
 
 }  // namespace
-}  // namespace trackbed::model
+}  // namespace trackbed::model::waiting_test

@@ -9,7 +9,7 @@
 #include "support/scene.hpp"
 #include "support/stones.hpp"
 
-namespace trackbed {
+namespace trackbed::regions_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -325,4 +325,4 @@ TEST(Regions, ABallIsCutAtItsPosition) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::regions_test

@@ -7,7 +7,7 @@
 #include "support/stones.hpp"
 #include "trackbed/observe/results.hpp"
 
-namespace trackbed {
+namespace trackbed::surface_test {
 namespace {
 
 constexpr double r = 0.05, cell = 0.1;  // m
@@ -60,4 +60,4 @@ TEST(Surface, IncludesStonesThatReachIntoANeighbour) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::surface_test

@@ -11,7 +11,7 @@
 #include "trackbed/par/exact_totals.hpp"
 #include "trackbed/par/meeting.hpp"
 
-namespace trackbed::par {
+namespace trackbed::par::comm_test {
 namespace {
 
 // Different on each rank, and without order: 0 -1 2 -3 ...
@@ -126,4 +126,4 @@ TEST(Meeting, ReportsARankThatDoesNotArrive) {
 }
 
 }  // namespace
-}  // namespace trackbed::par
+}  // namespace trackbed::par::comm_test

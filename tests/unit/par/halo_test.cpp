@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace trackbed::par {
+namespace trackbed::par::halo_test {
 namespace {
 
 struct Item {
@@ -61,4 +61,4 @@ TEST_F(HaloOfAll, WithoutItemsNothingIsSent) {
 }
 
 }  // namespace
-}  // namespace trackbed::par
+}  // namespace trackbed::par::halo_test

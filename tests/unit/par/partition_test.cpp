@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-namespace trackbed::par {
+namespace trackbed::par::partition_test {
 namespace {
 
 std::vector<double> sums(std::span<const int> part_of, std::span<const double> weights, int parts) {
@@ -113,4 +113,4 @@ TEST(PartitionMesh, CutsARowOfElementsOnce) {
 }
 
 }  // namespace
-}  // namespace trackbed::par
+}  // namespace trackbed::par::partition_test

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <numbers>
 
-namespace trackbed::track {
+namespace trackbed::track::band_test {
 namespace {
 
 // For values without mean and slope.
@@ -49,4 +49,4 @@ TEST(Band, IsFastForALongProfile) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::band_test

@@ -6,7 +6,7 @@
 #include "trackbed/core/error.hpp"
 #include "trackbed/track/newmark.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::influence_test {
 namespace {
 
 constexpr double step = 2e-4;  // s
@@ -102,4 +102,4 @@ TEST(Influence, DecaysAlongALongTrack) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::influence_test

@@ -12,7 +12,7 @@
 #include "trackbed/track/train.hpp"
 #include "trackbed/track/wheel_rail.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::libraries_test {
 namespace {
 
 // cm^2, cm^4, kg/m: EN 13674-1 (46E3, 54E1: mass from the area), TB/T 2341.
@@ -132,4 +132,4 @@ TEST(Flats, StrikeOnceInATurn) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::libraries_test

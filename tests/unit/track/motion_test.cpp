@@ -8,7 +8,7 @@
 #include "trackbed/track/passage.hpp"
 #include "unit/bed/rules.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::motion_test {
 namespace {
 
 // Brakes to a stop, waits, and accelerates.
@@ -89,4 +89,4 @@ TEST(Motion, InvalidTablesAreRefused) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::motion_test

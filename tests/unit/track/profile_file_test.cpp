@@ -12,7 +12,7 @@
 #include "trackbed/core/error.hpp"
 #include "trackbed/track/irregularity.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::profile_file_test {
 namespace {
 
 IrregularityParameters from(const std::string& name, const std::string& rows) {
@@ -134,4 +134,4 @@ TEST(ProfileFile, OneRowIsNoProfile) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::profile_file_test

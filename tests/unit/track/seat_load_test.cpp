@@ -9,7 +9,7 @@
 #include "trackbed/core/error.hpp"
 #include "trackbed/track/sleepers.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::seat_load_test {
 namespace {
 
 constexpr double spacing = 0.6;     // m
@@ -205,4 +205,4 @@ TEST_F(SeatTable, OneRowIsNotATable) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::seat_load_test

@@ -6,7 +6,7 @@
 #include "trackbed/core/error.hpp"
 #include "trackbed/track/sleepers.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::sleepers_file_test {
 namespace {
 
 void advance(Sleepers& sleepers, int windows) {
@@ -76,4 +76,4 @@ TEST(SleepersFile, AnotherNumberOfSleepersIsRefused) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::sleepers_file_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace trackbed::track {
+namespace trackbed::track::sleepers_test {
 namespace {
 
 constexpr double rounding = 1e-12;  // relative, sums over up to 1e4 steps stay below
@@ -237,4 +237,4 @@ TEST(Sleepers, TroubleNamesTheSleeper) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::sleepers_test

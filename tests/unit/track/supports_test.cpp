@@ -6,7 +6,7 @@
 
 #include "trackbed/track/line.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::supports_test {
 namespace {
 
 using Zones = std::vector<TrackZone>;
@@ -97,4 +97,4 @@ TEST(RunIn, BilinearPadsBecomeStifferEarlier) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::supports_test

@@ -7,7 +7,7 @@
 #include "trackbed/track/passage.hpp"
 #include "unit/bed/rules.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::track_alone_rules_test {
 namespace {
 
 using Names = std::set<std::string>;
@@ -108,4 +108,4 @@ TEST(TrackAlone, DipsAreWhereTheyShouldBe) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::track_alone_rules_test

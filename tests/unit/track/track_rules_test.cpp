@@ -4,7 +4,7 @@
 #include "trackbed/track/sleepers.hpp"
 #include "unit/bed/rules.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::track_rules_test {
 namespace {
 
 using Names = std::set<std::string>;
@@ -42,4 +42,4 @@ TEST(TrackRules, LoadsHaveWhatTheirKindNeeds) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::track_rules_test

@@ -7,7 +7,7 @@
 #include "trackbed/bed/bed.hpp"
 #include "trackbed/couple/coupler.hpp"
 
-namespace trackbed {
+namespace trackbed::compaction_test {
 namespace {
 
 // Stone on stone as in a main-line ballast model: k = 5e8 N/m, friction 0.7, damping 0.25.
@@ -185,4 +185,4 @@ TEST(CompactionOfABed, SettlesMoreUnderAVibratingPlate) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::compaction_test

@@ -21,7 +21,7 @@
 #include "trackbed/bed/bed.hpp"
 #include "trackbed/couple/coupler.hpp"
 
-namespace trackbed {
+namespace trackbed::lattice_test {
 namespace {
 
 constexpr double radius = 0.02, width = 2 * radius;  // m
@@ -183,4 +183,4 @@ TEST(Triaxial, StrengthOfAFaceCentredCubicArray) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::lattice_test

@@ -8,7 +8,7 @@
 #include "unit/fem/ground_scene.hpp"
 #include "verify/coupling/coupled.hpp"
 
-namespace trackbed {
+namespace trackbed::drop_test {
 namespace {
 
 constexpr double substep = 1e-5;                   // s, of the stones in every run
@@ -99,4 +99,4 @@ TEST(Drop, AgreesWithAReferenceOfHighResolution) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::drop_test

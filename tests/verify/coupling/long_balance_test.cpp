@@ -9,7 +9,7 @@
 #include "support/verified.hpp"
 #include "verify/coupling/disks.hpp"
 
-namespace trackbed {
+namespace trackbed::long_balance_test {
 namespace {
 
 constexpr test::DiskBed bed{.length = 0.3, .columns = 4, .rows = 2, .damping = 0, .dt = 1e-4};
@@ -74,4 +74,4 @@ TEST(LongRun, ImpulseAndEnergyBalance) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::long_balance_test

@@ -8,7 +8,7 @@
 #include "support/verified.hpp"
 #include "verify/coupling/disks.hpp"
 
-namespace trackbed {
+namespace trackbed::pressed_bed_test {
 namespace {
 
 constexpr test::DiskBed bed{};
@@ -113,4 +113,4 @@ TEST(LoadedBed, IsBitwiseIdenticalForAnyPartitionAndRanks) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::pressed_bed_test

@@ -13,7 +13,7 @@
 #include "unit/fem/ground_scene.hpp"
 #include "verify/coupling/coupled.hpp"
 
-namespace trackbed {
+namespace trackbed::two_mass_test {
 namespace {
 
 constexpr double substep = 1e-5;  // s, of the stones: its own error is 100 times smaller
@@ -194,4 +194,4 @@ TEST(TwoMasses, SleeperOnAStone) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::two_mass_test

@@ -11,7 +11,7 @@
 #include "unit/fem/ground_scene.hpp"
 #include "unit/fem/wave.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::base_wave_test {
 namespace {
 
 using par::Comm;
@@ -144,4 +144,4 @@ TEST(FreeField, BlockMovesAsInAWideGround) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::base_wave_test

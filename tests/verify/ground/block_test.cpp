@@ -12,7 +12,7 @@
 #include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::block_test {
 namespace {
 
 using par::Comm;
@@ -158,4 +158,4 @@ TEST(Cantilever, VibratesWithTheFrequencyOfABeam) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::block_test

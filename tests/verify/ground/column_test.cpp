@@ -8,7 +8,7 @@
 #include "support/verified.hpp"
 #include "verify/ground/half_space.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::column_test {
 namespace {
 
 using par::Comm;
@@ -170,4 +170,4 @@ TEST_P(Column, FixedBaseReachesTwiceTheStaticDisplacement) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::column_test

@@ -9,7 +9,7 @@
 #include "support/verified.hpp"
 #include "unit/fem/embankment_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::embankment_verify_test {
 namespace {
 
 using par::Comm;
@@ -143,4 +143,4 @@ TEST(SlopedEmbankment, SettlementConvergesWithTheElements) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::embankment_verify_test

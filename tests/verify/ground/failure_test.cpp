@@ -11,7 +11,7 @@
 #include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::failure_test {
 namespace {
 
 using par::Comm;
@@ -239,4 +239,4 @@ TEST(Footing, CarriesPrandtlsPressure) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::failure_test

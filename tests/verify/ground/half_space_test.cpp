@@ -10,7 +10,7 @@
 
 #include "support/verified.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::half_space_test {
 namespace {
 
 using par::Comm;
@@ -163,4 +163,4 @@ TEST(HalfSpace, MovingLineLoadDescribesACardioid) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::half_space_test

@@ -10,7 +10,7 @@
 #include "support/verified.hpp"
 #include "unit/fem/yielding_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::implicit_failure_test {
 namespace {
 
 using par::Comm;
@@ -148,4 +148,4 @@ TEST_P(ImplicitFailure, NewtonIsOfSecondOrder) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::implicit_failure_test

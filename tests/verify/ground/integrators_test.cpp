@@ -9,7 +9,7 @@
 #include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::integrators_test {
 namespace {
 
 using par::Comm;
@@ -100,4 +100,4 @@ TEST_P(Integrators, SecondOrderUnderAChangingLoad) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::integrators_test

@@ -14,7 +14,7 @@
 #include "unit/fem/mesh_scene.hpp"
 #include "unit/fem/wave.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::mesh_wave_test {
 namespace {
 
 using par::Comm;
@@ -201,4 +201,4 @@ TEST(GroundOfSections, WaveFromBelowDoublesAtTheTop) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::mesh_wave_test

@@ -16,7 +16,7 @@
 #include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::oblique_test {
 namespace {
 
 using par::Comm;
@@ -151,4 +151,4 @@ TEST_P(Lysmer, ObliquePressureWave) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::oblique_test

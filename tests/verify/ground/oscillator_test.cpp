@@ -10,7 +10,7 @@
 #include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::oscillator_test {
 namespace {
 
 using par::Comm;
@@ -161,4 +161,4 @@ TEST_P(Oscillator, AutomaticBaseSpringsCarryALoad) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::oscillator_test

@@ -9,7 +9,7 @@
 #include "fem/shape/element.hpp"
 #include "support/verified.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::patch_test {
 namespace {
 
 // A cube of 2 x 2 x 2 elements; the nodes of its faces and the inner one are displaced so that no
@@ -88,4 +88,4 @@ TEST(Patch, DistortedHexahedraKeepConstantStress) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::patch_test

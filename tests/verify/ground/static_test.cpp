@@ -11,7 +11,7 @@
 #include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::static_test {
 namespace {
 
 using par::Comm;
@@ -153,4 +153,4 @@ TEST_P(Static, ManufacturedSolutionConvergesWithOrderTwo) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::static_test

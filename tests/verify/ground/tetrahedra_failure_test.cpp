@@ -11,7 +11,7 @@
 #include "unit/fem/embankment_scene.hpp"
 #include "unit/fem/mesh_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::tetrahedra_failure_test {
 namespace {
 
 using par::Comm;
@@ -112,4 +112,4 @@ TEST(TetrahedraThatYield, CutOfClayHasItsStabilityNumber) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::tetrahedra_failure_test

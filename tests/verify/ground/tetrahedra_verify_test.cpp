@@ -14,7 +14,7 @@
 #include "support/verified.hpp"
 #include "unit/fem/mesh_scene.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::tetrahedra_verify_test {
 namespace {
 
 using par::Comm;
@@ -338,4 +338,4 @@ TEST(Tetrahedra, ViscousBaseAbsorbsAWave) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::tetrahedra_verify_test

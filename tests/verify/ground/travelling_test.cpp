@@ -8,7 +8,7 @@
 #include "support/verified.hpp"
 #include "unit/fem/compared.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::travelling_test {
 namespace {
 
 using par::Comm;
@@ -100,4 +100,4 @@ TEST(PeriodicGround, WaveTravelsAround) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::travelling_test

@@ -11,7 +11,7 @@
 #include "support/scene.hpp"
 #include "support/verified.hpp"
 
-namespace trackbed {
+namespace trackbed::bounces_test {
 namespace {
 
 constexpr double density = 2500, k_n = 1e6;
@@ -299,4 +299,4 @@ TEST(Bounces, ErrorOfAHertzCollisionFallsWithAboutTheSeventhOrder) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::bounces_test

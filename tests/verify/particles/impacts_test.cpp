@@ -9,7 +9,7 @@
 #include "dem/law/laws.hpp"
 #include "support/verified.hpp"
 
-namespace trackbed {
+namespace trackbed::impacts_test {
 namespace {
 
 using namespace impacts;
@@ -192,4 +192,4 @@ TEST(Impact, ElasticImpactsFollowMindlinsIncrements) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::impacts_test

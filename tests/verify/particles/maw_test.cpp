@@ -20,7 +20,7 @@
 #include "partial_slip.hpp"
 #include "support/verified.hpp"
 
-namespace trackbed {
+namespace trackbed::maw_test {
 namespace {
 
 using namespace impacts;
@@ -195,4 +195,4 @@ TEST(Incidence, SpinsAreCloseToMeasurements) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::maw_test

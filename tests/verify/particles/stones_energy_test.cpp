@@ -16,7 +16,7 @@
 #include "support/stone_pairs.hpp"
 #include "support/verified.hpp"
 
-namespace trackbed {
+namespace trackbed::stones_energy_test {
 namespace {
 
 constexpr int collisions = 1000;
@@ -223,4 +223,4 @@ TEST(StoneEnergy, BoxesFaceToFace) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::stones_energy_test

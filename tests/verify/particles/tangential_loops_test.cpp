@@ -8,7 +8,7 @@
 #include "partial_slip.hpp"
 #include "support/verified.hpp"
 
-namespace trackbed {
+namespace trackbed::tangential_loops_test {
 namespace {
 
 constexpr double deepest = 1e-5;  // m, a thousandth of the radius
@@ -245,4 +245,4 @@ TEST(TangentialLoad, WithAProportionalNormalForce) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::tangential_loops_test

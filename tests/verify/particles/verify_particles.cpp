@@ -5,7 +5,7 @@
 #include "support/scene.hpp"
 #include "support/verified.hpp"
 
-namespace trackbed {
+namespace trackbed::verify_particles {
 namespace {
 
 struct Solid {
@@ -296,4 +296,4 @@ TEST(Energy, ADroppedBallReboundsToItsHeight) {
 }
 
 }  // namespace
-}  // namespace trackbed
+}  // namespace trackbed::verify_particles

@@ -9,7 +9,7 @@
 #include "support/verified.hpp"
 #include "trackbed/track/sleepers.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::bodies_verify_test {
 namespace {
 
 const Elastic concrete{.young = 37e9, .poisson = 0.2, .density = 2548};
@@ -261,4 +261,4 @@ TEST(SolidSleeper, StiffEqualsRigid) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::bodies_verify_test

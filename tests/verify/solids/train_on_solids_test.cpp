@@ -9,7 +9,7 @@
 #include "trackbed/fem/bodies.hpp"
 #include "trackbed/track/on_bed.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::train_on_solids_test {
 namespace {
 
 constexpr std::size_t before = 12, count = 17, watched = 8;  // sleepers of the bed; its middle one
@@ -314,4 +314,4 @@ TEST(TrainOnSolids, TheTrapezoidalSeatGeneratesNoEnergy) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::train_on_solids_test

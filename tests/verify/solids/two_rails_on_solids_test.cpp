@@ -10,7 +10,7 @@
 #include "trackbed/fem/bodies.hpp"
 #include "trackbed/track/on_bed.hpp"
 
-namespace trackbed::fem {
+namespace trackbed::fem::two_rails_on_solids_test {
 namespace {
 
 constexpr std::size_t before = 12, count = 17, watched = 8;  // sleepers of the bed; its middle one
@@ -336,4 +336,4 @@ TEST(TwoRailsOnSolids, AnyWindowIsStable) {
 }
 
 }  // namespace
-}  // namespace trackbed::fem
+}  // namespace trackbed::fem::two_rails_on_solids_test

@@ -10,7 +10,7 @@
 #include "support/verified.hpp"
 #include "verify/track/lines.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::beam_test {
 namespace {
 
 constexpr double load = 100e3;  // N
@@ -136,4 +136,4 @@ TEST(Winkler, Receptance) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::beam_test

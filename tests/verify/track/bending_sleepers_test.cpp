@@ -10,7 +10,7 @@
 #include "support/verified.hpp"
 #include "verify/track/lines.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::bending_sleepers_test {
 namespace {
 
 // The contact of wheel and rail has 1.3e9 N/m.
@@ -219,4 +219,4 @@ TEST(BendingSleepers, OnRotatedGround) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::bending_sleepers_test

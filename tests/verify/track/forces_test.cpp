@@ -18,7 +18,7 @@
 #include "support/verified.hpp"
 #include "verify/track/lines.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::forces_test {
 namespace {
 
 using Complex = std::complex<double>;
@@ -165,4 +165,4 @@ TEST(HarmonicForce, ReachesTheReceptance) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::forces_test

@@ -11,7 +11,7 @@
 #include "support/verified.hpp"
 #include "verify/track/on_ground_scene.hpp"
 
-namespace trackbed::model {
+namespace trackbed::model::implicit_ground_test {
 namespace {
 
 constexpr fem::Elastic clay{60e6, 0.3, 2000};
@@ -194,4 +194,4 @@ TEST(ImplicitGround, WheelContactsConvergeWithTheGround) {
 }
 
 }  // namespace
-}  // namespace trackbed::model
+}  // namespace trackbed::model::implicit_ground_test

@@ -9,7 +9,7 @@
 #include "support/verified.hpp"
 #include "verify/track/lines.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::moving_load_test {
 namespace {
 
 constexpr double static_deflection = 1.183082e-3;  // m, under 100 kN
@@ -149,4 +149,4 @@ TEST(LoadModel71, MomentOfASpan) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::moving_load_test

@@ -10,7 +10,7 @@
 #include "support/verified.hpp"
 #include "trackbed/track/sleepers.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::on_bed_test {
 namespace {
 
 constexpr std::size_t before = 12, count = 17, watched = 8;  // sleepers of the bed; its middle one
@@ -207,4 +207,4 @@ TEST(TrainOnBed, IsRestarted) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::on_bed_test

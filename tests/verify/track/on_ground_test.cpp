@@ -12,7 +12,7 @@
 #include "verify/ground/half_space.hpp"
 #include "verify/track/on_ground_scene.hpp"
 
-namespace trackbed::model {
+namespace trackbed::model::on_ground_test {
 namespace {
 
 using par::Comm;
@@ -219,4 +219,4 @@ TEST(TrackOnGround, ARigidGroundEqualsTheTrackAlone) {
 }
 
 }  // namespace
-}  // namespace trackbed::model
+}  // namespace trackbed::model::on_ground_test

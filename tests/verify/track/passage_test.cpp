@@ -8,7 +8,7 @@
 #include "support/verified.hpp"
 #include "verify/track/lines.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::passage_test {
 namespace {
 
 // A train without speed remains in static equilibrium.
@@ -226,4 +226,4 @@ TEST(Passage, ContactIsLostAndRecovered) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::passage_test

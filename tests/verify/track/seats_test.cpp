@@ -11,7 +11,7 @@
 #include "support/verified.hpp"
 #include "verify/track/lines.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::seats_test {
 namespace {
 
 constexpr std::size_t watched = 20;
@@ -125,4 +125,4 @@ TEST(SeatLoads, EqualLoadsOnBothRails) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::seats_test

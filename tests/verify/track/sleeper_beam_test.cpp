@@ -12,7 +12,7 @@
 #include "support/verified.hpp"
 #include "verify/track/lines.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::sleeper_beam_test {
 namespace {
 
 // Properties of a sleeper as a beam.
@@ -281,4 +281,4 @@ TEST(SleeperOnAWinklerBed, UnderBothRails) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::sleeper_beam_test

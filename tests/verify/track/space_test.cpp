@@ -10,7 +10,7 @@
 #include "trackbed/core/types.hpp"
 #include "verify/track/lines.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::space_test {
 namespace {
 
 LineParameters track(Dimension dimension) {
@@ -210,4 +210,4 @@ TEST(Roll, IsOfSecondOrderInTheStep) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::space_test

@@ -14,7 +14,7 @@
 #include "trackbed/core/types.hpp"
 #include "verify/track/lines.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::span_test {
 namespace {
 
 constexpr double young = 2.87e9, inertia = 2.90, mass = 2303, length = 25;  // Yang and Yau's span
@@ -261,4 +261,4 @@ TEST(MovingForce, OrdersOnASpan) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::span_test

@@ -8,7 +8,7 @@
 #include "support/verified.hpp"
 #include "verify/track/lines.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::stops_test {
 namespace {
 
 constexpr double wheel = 60e3;  // N
@@ -159,4 +159,4 @@ TEST(BilinearPad, CostsLittleWithinTheFirstStiffness) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::stops_test

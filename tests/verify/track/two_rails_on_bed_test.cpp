@@ -9,7 +9,7 @@
 #include "trackbed/track/on_bed.hpp"
 #include "trackbed/track/sleepers.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::two_rails_on_bed_test {
 namespace {
 
 constexpr std::size_t before = 12, count = 17, watched = 8;  // sleepers of the bed; its middle one
@@ -259,4 +259,4 @@ TEST(TwoRailsOnBed, SeatForcesMoveTheSleepers) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::two_rails_on_bed_test

@@ -15,7 +15,7 @@
 #include "verify/ground/half_space.hpp"
 #include "verify/track/on_ground_scene.hpp"
 
-namespace trackbed::model {
+namespace trackbed::model::two_rails_on_ground_test {
 namespace {
 
 using par::Comm;
@@ -368,4 +368,4 @@ TEST(TwoRailsOnGround, ARigidGroundEqualsTheTrackAlone) {
 }
 
 }  // namespace
-}  // namespace trackbed::model
+}  // namespace trackbed::model::two_rails_on_ground_test

@@ -12,7 +12,7 @@
 #include "trackbed/core/types.hpp"
 #include "verify/track/lines.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::under_sleeper_pad_test {
 namespace {
 
 constexpr std::size_t middle = 20;  // of 41 sleepers, far from the run-in
@@ -228,4 +228,4 @@ TEST(UnderSleeperPad, TwoRailsAlikeAreThePlaneTrack) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::under_sleeper_pad_test

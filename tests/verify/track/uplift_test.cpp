@@ -11,7 +11,7 @@
 #include "support/verified.hpp"
 #include "verify/track/lines.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::uplift_test {
 namespace {
 
 LineParameters lifting(double length, double preload = 0) {
@@ -272,4 +272,4 @@ TEST(Uplift, EnergyIsKeptWithoutDampers) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::uplift_test

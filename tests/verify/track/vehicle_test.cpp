@@ -9,7 +9,7 @@
 #include "support/verified.hpp"
 #include "verify/track/lines.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::vehicle_test {
 namespace {
 
 const VehicleParameters& of_library(const std::string& name) {
@@ -151,4 +151,4 @@ TEST(Vehicle, SprungMassOnASpan) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::vehicle_test

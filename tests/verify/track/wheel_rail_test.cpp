@@ -9,7 +9,7 @@
 #include "support/verified.hpp"
 #include "trackbed/track/irregularity.hpp"
 
-namespace trackbed::track {
+namespace trackbed::track::wheel_rail_test {
 namespace {
 
 TEST(Hertz, WheelOfHalfAMetreOnARail) {
@@ -104,4 +104,4 @@ TEST(Irregularities, SamplesHaveThePowerOfTheSpectrum) {
 }
 
 }  // namespace
-}  // namespace trackbed::track
+}  // namespace trackbed::track::wheel_rail_test
