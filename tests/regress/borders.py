@@ -17,7 +17,7 @@ YIELDS = "ground.layer.soil.yield=mohr_coulomb ground.plane=strain"
 PAIR = 'side_x_low = side_x_high = "periodic"'
 SOFT = "ground.layer.soil.young=1e6"
 # Changes of the tiny deck and a part of the refusal or warning.
-REFUSED = {"ground.side_x_low=open": "fixed, as_sides or periodic",
+REFUSED = {"ground.side_x_low=open": "\"fixed\", \"as_sides\" or \"periodic\"",
            f"{YIELDS} ground.side_x_high=free_field": "has elastic columns beside the model",
            "ground.side_x_low=periodic": 'needs side_x_high = "periodic": both ends of the ground',
            "ground.side_x_high=periodic": 'needs side_x_low = "periodic": both ends of the ground',

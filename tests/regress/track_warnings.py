@@ -434,7 +434,7 @@ def check_places(program, decks, folder):
 
 
 def check_long_profile(program, decks, folder):
-    """Two kilometres in rows of 1 mm add no more processor time than twice what Python takes to read
+    """Two kilometres in rows of 1 mm add at most twice the processor time that Python takes to read
     them on the same machine."""
     table = folder / "long.csv"
     rows = (f"{i / 1000:.3f},{1e-3 * math.sin(i / 500):.9f}\n" for i in range(2000001))
