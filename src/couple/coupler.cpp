@@ -291,9 +291,9 @@ std::string Coupler::trouble() const {
   constexpr double lost = 1e-3;
   if (impl_->ledger.lost() <= lost) return {};
   return fmt::format(
-      "the sum of contact forces on a surface over one window is too large to be stored: its "
-      "relative error is {:.2g} (allowed: {:g}); largest force of a node summed over the "
-      "sub-steps: {:.3g} N; shorten the window (time.window, time.substeps)",
+      "the sum of the contact forces on a surface over one window has a relative error of {:.2g} "
+      "(allowed: {:g}), probably since it exceeds the range of its number format; largest sum at "
+      "a node: {:.3g} N; shorten the window (time.window, time.substeps)",
       impl_->ledger.lost(), lost, impl_->largest);
 }
 

@@ -58,7 +58,7 @@ std::string meaning_of(const Spec& spec) {
   using namespace state;
   static constexpr std::array<std::pair<StateParts, const char*>, 11> words{{
       {any, "when a run continues from a checkpoint"},
-      {earlier, "once a checkpoint contains this entry"},
+      {earlier, "once a checkpoint contains this element of the list"},
       {sleepers, "once sleepers are placed"},
       {solid_sleepers, "once solid sleepers are placed"},
       {solid_rails, "once solid rails are placed"},

@@ -151,11 +151,12 @@ void write_part(const par::Comm& comm, const std::string& part,
 // before the old checkpoint is given up. Collective.
 void read_back(const par::Comm& comm, const std::string& part) {
   const std::string damage = comm.root() ? defect_of(part) : "";
-  comm.agree(damage.empty() ? "" : part + ": " + damage + ", when it was read back after writing");
+  comm.agree(damage.empty() ? ""
+                            : part + ": " + damage + " (found when reading it back after writing)");
   try {
     verify(File(comm, part, Mode::read), part);
   } catch (const InputError& error) {  // the same on all ranks: detected in collective reads
-    throw RunError(std::string(error.what()) + ", when it was read back after writing");
+    throw RunError(std::string(error.what()) + " (found when reading it back after writing)");
   }
 }
 

@@ -82,7 +82,7 @@ std::vector<std::string> datasets_of(const File& file) {
   std::vector<std::string> paths;
   const bool ok = H5Ovisit2(file.handle().file.get(), H5_INDEX_NAME, H5_ITER_INC, collect_dataset,
                             &paths, H5O_INFO_BASIC) >= 0;
-  file.handle().agree(ok, "", "cannot be listed");
+  file.handle().agree(ok, "", "the list of its datasets cannot be read");
   std::sort(paths.begin(), paths.end());
   return paths;
 }
@@ -111,7 +111,8 @@ std::string seal(const std::string& path, const std::vector<Extent>& extents) {
   // or truncated it since.
   if (!in) return fmt::format("{} ({})", unreadable, std::strerror(errno));
   footer.file_bytes = static_cast<std::uint64_t>(in.tellg());
-  if (!plausible(extents, footer.file_bytes)) return unreadable + " (it is shorter than its data)";
+  if (!plausible(extents, footer.file_bytes))
+    return unreadable + " (it is shorter than the data written to it)";
   footer.extents = extents.size();
   footer.hash = structure_hash(in, footer.file_bytes, extents);
   if (!in) return unreadable;

@@ -55,7 +55,7 @@ REFUSED = {
     "ground.base_motion={folder}/along.csv": "the border \"ends\" holds the ground along x",
     "ground.border.2.holds=fixed ground.base_motion={folder}/along.csv":
         "the border \"ends\" holds the ground along x",
-    "ground.mesh={folder}/squashed.msh": "is flat: its mean ratio is",
+    "ground.mesh={folder}/squashed.msh": "is flat: its shape quality",
     "ground.sides=viscous": "describe the surfaces of the mesh by [[ground.border]]",
     "ground.elements_x=3": "the file of the mesh defines the shape",
     "dimension=plane": "needs dimension = \"space\"",
@@ -80,7 +80,7 @@ REPORTED = {
                                       " % of"],
     "ground.mesh={folder}/mm.msh": ["is the file in metres?"],
     "ground.mesh={folder}/thin.msh time.window=1e-5":
-        ["are nearly flat: their mean ratio (1: equilateral) is below 0.05"],
+        ["are nearly flat: their shape quality (mean ratio, 1: equilateral) is below 0.05"],
 }
 
 

@@ -75,7 +75,7 @@ WARNED = {
     "time.window=0.001 output.history_interval=0.0001": "is less than a time window",
     "pressure.plate.course=dead pressure.plate.duration=0 pressure.plate.begin=0":
         "nothing moves the ground",
-    "ground.integrator=newmark time.window=0.01": "windows of 0.01 s are too long",
+    "ground.integrator=newmark time.window=0.01": "is less than 4 windows; give a shorter",
     "ground.integrator=newmark time.window=0.01 pressure.plate.course=harmonic"
     " pressure.plate.frequency=50": "gives cycles of 0.02 s",
     "ground.integrator=newmark time.window=0.005 pressure.plate.speed=-210":

@@ -40,7 +40,7 @@ REFUSED = {
     "ground.embankment_layers=3": "must be at least 1 and below the number of layers, 3",
     "ground.layer.1.elements=0": "must all have `elements`",
     "ground.elements_x=100000": "at most 2e+06",
-    "ground.elements_x=18 ground.y=[0,16000]": "is flat: its mean ratio is",
+    "ground.elements_x=18 ground.y=[0,16000]": "is flat: its shape quality",
     "ground.sides=free_field": "the ground beside the model is neither level",
     "ground.side_x_low=periodic ground.side_x_high=periodic": "nor the same at both ends",
     "ground.side_y_low=viscous": "the axis of the embankment is a plane of symmetry",

@@ -19,9 +19,8 @@ REFUSED = {
                           "ground (ground.y: 0 to 2 m); see also footing.y",
     f"{ENDS} footing.width=0.7":
         "footing.width = 0.7: puts footprints from x = -0.05 to 3.65 m, beyond the ground "
-        "(ground.x: 0 to 3.6 m): from the middle of an outermost sleeper to the end of the "
-        "ground there are only "
-        "0.3 m (footing.first)",
+        "(ground.x: 0 to 3.6 m); half the width must be at most 0.3 m, the distance from the "
+        "centre of the first or last sleeper to the end of the ground (see also footing.first)",
     "footing.width=2": "footing.width = 2: puts footprints from x = -0.1 to 4.9 m",
     "footing.first=0.2":
         "footing.first = 0.2: the first footprint begins at x = -0.05 m, beyond the ground",

@@ -184,8 +184,8 @@ WARNED = [
     (["track.dimension=space", "track.sleeper_length=0.26", "track.gauge=0.2"], "",
      "track.sleeper_length = 0.26 is far from the usual"),
     (["train.start=-400", "passage.duration=0.2"], "",
-     "train.start = -400: leaves the train before the track: its first axle reaches -390 m in the "
-     "0.2 s of the run"),
+     "train.start = -400: the train does not reach the track: its first axle is at -390 m at the "
+     "end of the run (0.2 s"),
     (["train.start=-1e6"], "", "train.start = -1000000 is far from the usual values (-500 to"),
     ([], VEHICLE.format('kind = "wheel"\nlength = 2\nwheelset_mass = 1e3\nbody_mass = 1e3'),
      "vehicle[0].body_mass = 1000.0: has no effect on a vehicle of this kind"),
@@ -462,7 +462,7 @@ def check_loads(program, decks, folder):
     words = [*SEATS, "irregularity.fade=0", "train.start=0", "load.kind=table", "load.speed=60",
              f"load.file={table.resolve()}", "passage.duration=2"]
     for rows, changes, wanted in (
-            ("0,0\n0.2,5e4\n0.5,5e4\n", [], "falls at once from 50000 N (last row) to 0"),
+            ("0,0\n0.2,5e4\n0.5,5e4\n", [], "drops from 50000 N (last row) to 0"),
             ("0,0\n0.2,5e4\n0.5,5e4\n", ["passage.duration=0.4"], ""),
             ("0.5,5e4\n0.6,0\n", [], "jumps from 0 to 50000 N (first row)"),
             ("0,0\n0.2,5e4\n0.3,500\n", [], ""), ("0,0\n0.2,5e4\n0.5,0\n", [], "")):

@@ -22,8 +22,8 @@ void Parameters::declare(input::Section& s) {
            "changes the speed of the program, not its results.");
   s.number(
       "rebalance", rebalance, {.unit = "-", .at_least = 0},
-      "Ratio of the work of the busiest rank to the mean above which stones are redistributed; "
-      "0: never. The ratio changes the speed of the program, not its results.");
+      "Stones are redistributed if the work of the busiest rank divided by the mean work of all "
+      "ranks exceeds this value; 0: never. It changes the speed of the program, not its results.");
   // A collision takes pi/safety sub-steps: 6 hardly resolve it, 3000 only cost time.
   s.number("safety", safety,
            {.unit = "-", .above = 0, .at_most = 1, .usually_from = 1e-3, .usually_to = 0.5},

@@ -158,8 +158,8 @@ void check_wave(const SolidMesh& mesh, const GroundParameters& parameters, const
     };
     if (at.second == WaveEffect::dashpots)
       report(warnings,
-             "impedes the wave of ground.base_motion; a roller does not, if the particle motion of "
-             "the wave is parallel to the face; free-field sides are for layers only");
+             "impedes the wave of ground.base_motion; use a roller if the wave moves the ground "
+             "parallel to the face (a mesh cannot have free-field sides)");
     if (at.second == WaveEffect::gap)
       report(warnings,
              "is free and at an end of the mesh: there is no ground beside it that moves with the "
@@ -201,8 +201,8 @@ void warn_of_shapes(const GroundParameters& parameters, const std::vector<double
                                   [](double ratio) { return ratio < poor_mean_ratio; });
   if (poor > 0)
     warnings.push_back(
-        fmt::format("{}: {} of {} tetrahedra are nearly flat: their mean ratio (1: equilateral) is "
-                    "below {:g}, the least is "
+        fmt::format("{}: {} of {} tetrahedra are nearly flat: their shape quality (mean ratio, 1: "
+                    "equilateral) is below {:g}, the lowest is "
                     "{:.2g} (tetrahedron {}{}); time steps are short and stresses inaccurate there",
                     parameters.mesh.empty() ? "ground.section" : parameters.mesh, poor,
                     ratios.size(), poor_mean_ratio, *worst, worst - ratios.begin() + 1,

@@ -55,7 +55,7 @@ std::string Ground::Impl::not_converged(const NewtonStep& step) {
         step.strain, largest_strain);
   const std::string why =
       step.unsolved > 0
-          ? fmt::format("in {} elements no stress is compatible with both strain and strength",
+          ? fmt::format("in {} elements the return to the yield surface has no solution",
                         step.unsolved)
           : fmt::format("the relative out-of-balance force is {:.2g}", step.residual);
   return fmt::format(

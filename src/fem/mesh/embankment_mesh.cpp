@@ -109,11 +109,11 @@ void Builder::add_part(const Index3& cell, Corners corners) {
   }
   for (std::size_t n = 0; n < 10; ++n) places_.emplace(wide[n], nodes[n]);
   if (const double ratio = tetrahedron_mean_ratio(nodes); !(ratio >= least_mean_ratio))
-    throw InputError(
-        {fmt::format("ground.section: a tetrahedron at x = {:.3g}, y = {:.3g}, z = {:.3g} m is "
-                     "flat: its mean ratio is {:.2g} and must be at least {:g} (1: equilateral); "
-                     "change the elements or the sections",
-                     nodes[0].x(), nodes[0].y(), nodes[0].z(), ratio, least_mean_ratio)});
+    throw InputError({fmt::format(
+        "ground.section: a tetrahedron at x = {:.3g}, y = {:.3g}, z = {:.3g} m is "
+        "flat: its shape quality (mean ratio, 1: equilateral) is {:.2g} and must be at least {:g}; "
+        "change the elements or the sections",
+        nodes[0].x(), nodes[0].y(), nodes[0].z(), ratio, least_mean_ratio)});
   take_faces(cell, static_cast<std::int32_t>(wide_.size()) - 1, corners);
 }
 

@@ -111,11 +111,10 @@ void Builder::check_shapes() {
       problems_.add("shape", file_.tetrahedra[e],
                     fmt::format("is inverted or flat: its smallest Jacobian is {:.3g} m^3", least));
     else if (const double ratio = tetrahedron_mean_ratio(nodes); !(ratio >= least_mean_ratio))
-      problems_.add(
-          "flat", file_.tetrahedra[e],
-          fmt::format(
-              "is flat: its mean ratio is {:.2g} and must be at least {:g} (1: equilateral)", ratio,
-              least_mean_ratio));
+      problems_.add("flat", file_.tetrahedra[e],
+                    fmt::format("is flat: its shape quality (mean ratio, 1: equilateral) is {:.2g} "
+                                "and must be at least {:g}",
+                                ratio, least_mean_ratio));
   }
 }
 

@@ -70,8 +70,8 @@ void refuse(int code, const char* what) {
   if (const auto& words = of_environment(); !words.empty())
     places.push_back(fmt::format("in {} ({})", variable, fmt::join(words, " ")));
   if (places.empty()) return check(code, what);
-  throw InputError({fmt::format("{}: PETSc rejects one of the options: those {}: {}", source(),
-                                fmt::join(places, ", or those "), error_text(code))});
+  throw InputError({fmt::format("{}: PETSc rejects an option: {} (given {})", source(),
+                                error_text(code), fmt::join(places, "; "))});
 }
 
 // Errors that are not caused by an option.

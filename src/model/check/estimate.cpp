@@ -94,7 +94,7 @@ std::string limits_of(const Model& model, const Stage& stage, const Steps& steps
                   steps.substeps, steps.substeps > 1 ? "s" : "", steps.limit);
   const CouplingLimit coupling = coupling_limit(model, stage);
   if (std::isfinite(coupling.window))
-    words += fmt::format("  coupling allows windows of at most {:.4g} s (assumed: {})\n",
+    words += fmt::format("  the coupling allows a window length of at most {:.4g} s (basis: {})\n",
                          coupling.window, coupling.words());
   return words;
 }
@@ -190,8 +190,8 @@ std::vector<std::string> estimate(const World& world, const StageActions& action
     if (limits != shared && !numbers.empty()) lines.push_back(shared + "  " + numbers);
     if (limits != shared) numbers.clear();
     shared = limits;
-    numbers += fmt::format("{}{} {:.0f}", numbers.empty() ? "windows at most: " : ", ", stage.name,
-                           windows);
+    numbers += fmt::format("{}{} {:.0f}", numbers.empty() ? "largest number of windows: " : ", ",
+                           stage.name, windows);
   }
   lines.push_back(shared + "  " + numbers);
   lines.push_back(fmt::format(

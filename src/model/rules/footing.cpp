@@ -121,8 +121,8 @@ void declare_along(const Model& model, const input::About& about, input::Section
   s.rule("footing.width", !width || footing.width / 2 <= space + same_length,
          fmt::format(
              "puts footprints from x = {:g} to {:g} m, beyond the ground (ground.x: {:g} to {:g} "
-             "m): from the middle of an outermost sleeper to the end of the ground there are only "
-             "{:g} m (footing.first)",
+             "m); half the width must be at most {:g} m, the distance from the centre of the first "
+             "or last sleeper to the end of the ground (see also footing.first)",
              from, to, x[0], x[1], space),
          about);
   s.rule(

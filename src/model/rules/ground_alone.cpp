@@ -106,20 +106,20 @@ void declare_resolved(const Model& model, const PressureParameters& p, const std
   const double window = model.time.window;
   const auto resolved = [&](const std::string& name, bool holds, const std::string& what) {
     s.rule(key + name, holds,
-           fmt::format("{}: windows of {:g} s are too long for this; give a shorter time.window",
-                       what, window),
+           fmt::format("{}; give a shorter time.window (now {:g} s)", what, window),
            {.severity = input::Severity::warning, .reads = {key, "time", "ground"}});
   };
   const bool runs = p.course == PressureCourse::rise || p.course == PressureCourse::pulse;
   resolved(".duration", !runs || p.duration == 0 || p.duration >= fewest * window,
-           fmt::format("is {:g} s", p.duration));
+           fmt::format("is less than {:g} windows", fewest));
   resolved(".frequency",
            p.course != PressureCourse::harmonic ||
                p.frequency * fewest * window <= 1 + rounding_of_steps,
-           fmt::format("gives cycles of {:g} s", p.frequency > 0 ? 1 / p.frequency : 0));
+           fmt::format("gives cycles of {:g} s, less than {:g} windows",
+                       p.frequency > 0 ? 1 / p.frequency : 0, fewest));
   resolved(".speed", std::abs(p.speed) * window <= p.x[1] - p.x[0],
-           fmt::format("moves the pressure in a window by {:g} m, that is, by more than its length",
-                       std::abs(p.speed) * window));
+           fmt::format("moves the pressure in a window by {:g} m, more than its length of {:g} m",
+                       std::abs(p.speed) * window, p.x[1] - p.x[0]));
 }
 
 }  // namespace

@@ -59,9 +59,9 @@ void Stage::declare_course(input::Section& s) {
             .above = positive ? 0 : -input::unbounded,
             .at_least = positive ? -input::unbounded : 0,
             .usually_to = 100},
-           "Longest simulated time of the stage; passage: time for all trains together; 0: until "
-           "the last axle has left (required for several trains with train = true); tamp: 0, since "
-           "its times are those of [tamping].");
+           "Longest simulated time of the stage; passage: time of all trains together; 0: until "
+           "the last axle has left (several trains with train = true need 0); tamp: must be 0, "
+           "since its times are those of [tamping].");
   s.number("growth", growth, {.unit = "s", .at_least = 0, .usually_to = 10},
            "Time in which stones grow in place from a small initial size to their full size "
            "(fill); 0: stones of full size are dropped.");
@@ -113,8 +113,9 @@ void Stage::declare_loads(input::Section& s) {
            "time in which pressure and confinement change from those of the preceding stage; "
            "shear, triaxial: the same, and also the time in which full speed is reached.");
   s.integer("cycles", cycles, {.at_least = 0, .at_most = most_cycles},
-            "Number of cycles; load: haversines in the duration, 0: ramp, hold, ramp; passage: "
-            "trains, one after the other, 0: one; tamp: insertions of the tines, 0: one.");
+            "Number of cycles; load: number of haversines in the duration (0: one ramp up, hold "
+            "and ramp down); passage: number of successive trains (0: one); tamp: number of "
+            "insertions of the tines (0: one).");
   s.flag("train", train,
          "Whether the sleepers are loaded by the vehicles of [train] (through rail and pads) or by "
          "the axle loads of [load] (passage).");

@@ -88,8 +88,8 @@ std::string warning_of_bed(const World& world, std::span<const Stage> done) {
       height <= (1 + bed_tolerance) * expected_height + voids_at_faces)
     return {};
   return fmt::format(
-      "the compacted bed is {:.3g} m high and has a porosity of {:.2f}; with the expected porosity "
-      "of {:.3g} the same stones would be {:.3g} m high (expected height: {:g} m)",
+      "the compacted bed is {:.3g} m high and has a porosity of {:.2f}; at the porosity of the "
+      "deck, {:.3g}, these stones would make a bed of {:.3g} m (height in the deck: {:g} m)",
       height, 1 - volume / (area * height), expected.porosity, expected_height, expected.height);
 }
 

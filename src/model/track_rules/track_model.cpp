@@ -256,8 +256,8 @@ void declare_arrival(const TrackModel& model, input::Section& s) {
   if (model.train.vehicles.empty() || lasts == 0 || !model.train.changes_are_valid()) return;
   const double reached = track::Motion(model.train).x(lasts);
   s.rule("train.start", reached >= 0,
-         fmt::format("leaves the train before the track: its first axle reaches {:.4g} m in the "
-                     "{:g} s of the run (passage.duration)",
+         fmt::format("the train does not reach the track: its first axle is at {:.4g} m at the "
+                     "end of the run ({:g} s, passage.duration)",
                      reached, lasts),
          {.severity = input::Severity::warning, .reads = {"train", "passage.duration"}});
 }

@@ -19,12 +19,11 @@ inline void require_digits(const Eigen::VectorXd& pivots, const Eigen::VectorXd&
   for (Eigen::Index k = 0; k < diagonal.size(); ++k)
     if (!(pivots[k] > least_pivot * diagonal[k]))
       throw InputError(
-          {fmt::format("the stiffness matrix of the track is ill-conditioned: at a degree of "
-                       "freedom with a diagonal stiffness of {:.3g} N/m (rotation: N m) only the "
-                       "fraction {:.2g} of it remains as pivot after elimination (required: above "
-                       "{:g}); reduce the largest stiffness of rail, pads, ballast or springs, or "
-                       "increase the smallest",
-                       diagonal[k], pivots[k] / diagonal[k], least_pivot)});
+          {fmt::format("the stiffnesses of the track differ too much for the solver: the ratio of "
+                       "pivot to diagonal is {:.2g} (required: above {:g}) at a diagonal term of "
+                       "{:.3g} N/m (rotation: N m); reduce the largest stiffness of rail, pads, "
+                       "ballast or springs, or increase the smallest",
+                       pivots[k] / diagonal[k], least_pivot, diagonal[k])});
 }
 
 }  // namespace trackbed::track

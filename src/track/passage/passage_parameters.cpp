@@ -147,9 +147,10 @@ void TrackParameters::declare_space(input::Section& s) {
 // With these values the first bending frequency of a free sleeper of 2.6 m and 300 kg is 121 Hz;
 // that of concrete monoblock sleepers is 100 to 150 Hz.
 void SleeperBeamParameters::declare(input::Section& s) {
-  s.choice("model", model, {"rigid", "beam"},
-           "Model of the sleepers; rigid: rigid bodies; beam: beams that bend across the track, of "
-           "which a plane track has one half, symmetric about the middle.");
+  s.choice(
+      "model", model, {"rigid", "beam"},
+      "Model of the sleepers; rigid: rigid bodies; beam: beams across the track; a plane track "
+      "models one half of each, with symmetry at the track centre.");
   s.choice("theory", theory, {"timoshenko", "euler"},
            "Beam theory; euler: without shear deformation and rotary inertia (beam).");
   s.number("young", young, {.unit = "Pa", .above = 0, .usually_from = 1e9, .usually_to = 1e12},
@@ -161,8 +162,8 @@ void SleeperBeamParameters::declare(input::Section& s) {
   s.number("height", height, {.unit = "m", .above = 0, .usually_from = 0.05, .usually_to = 0.6},
            "Height of the cross-section of the sleepers (beam).");
   s.integer("elements", elements, {.at_least = 2, .at_most = 100},
-            "Number of elements of a sleeper between the rails, which must be even; the elements "
-            "outside the rails are not longer (beam).");
+            "Number of elements of a sleeper between the rails, an even number (beam). Elements "
+            "outside the rails are at most as long as these.");
   s.number("unsupported", unsupported, {.unit = "m", .at_least = 0, .usually_to = 2},
            "Unsupported length in the middle of each sleeper; the total stiffness of the ballast "
            "below the sleeper is unchanged (space, or beam).");

@@ -175,7 +175,7 @@ TEST_F(CouplerTest, ALostLoadIsDetected) {
   EXPECT_NEAR(coupler.balance().impulse, half, quantised);
   EXPECT_GT(coupler.balance().moment, 0.01);
   EXPECT_GT(coupler.balance().work, 0.01);
-  EXPECT_NE(coupler.trouble().find("relative error is 0.5 (allowed:"), std::string::npos)
+  EXPECT_NE(coupler.trouble().find("relative error of 0.5 (allowed:"), std::string::npos)
       << coupler.trouble();
 }
 

@@ -116,7 +116,7 @@ TEST(FileFailure, ReportsACheckpointRemovedOrCutDuringWriting) {
   std::ofstream(other / std::to_string(world().rank())) << "short";
   EXPECT_EQ(seal(other / std::to_string(world().rank()), {{2048, 80}}),
             other / std::to_string(world().rank()) +
-                ": cannot be read back (it is shorter than its data)");
+                ": cannot be read back (it is shorter than the data written to it)");
 }
 
 TEST(FileFailure, KeepsTheLastCheckpointWhenTheDiskFillsUp) {
