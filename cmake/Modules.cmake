@@ -25,8 +25,8 @@ function(trackbed_module name)
 endfunction()
 
 # The environment of every test: Open MPI refuses root unless allowed, and ranks that share a core
-# must yield to each other. Transports are limited to those within one machine: a start then takes
-# 0.14 s instead of 0.35 s. Leaks are not checked, as Open MPI keeps memory to the end.
+# must yield to each other. Transports are limited to those within one machine, which shortens each
+# start. Leaks are not checked, as Open MPI keeps memory to the end.
 set(TRACKBED_TEST_ENVIRONMENT OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
     OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_pml=ob1 OMPI_MCA_btl=self,vader
     ASAN_OPTIONS=detect_leaks=0 PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg)
