@@ -131,7 +131,7 @@ def stress(runs):
     mark_blocks(panel, runs[0])
     panel.set_xlabel("x along the track (m)")
     panel.set_ylabel("largest vertical compression of the\nground surface in the passage (kPa)")
-    panel.set_title(f"{STRESS_COUNTS}\n" + "; ".join(text), fontsize=10)
+    panel.set_title(f"Compression {STRESS_COUNTS}\n" + "; ".join(text), fontsize=10)
     panel.legend(fontsize=8)
     panel.grid(alpha=0.3)
     return figure
@@ -139,7 +139,7 @@ def stress(runs):
 
 def peak_text(frequency, amplitude, target):
     peak = signals.peak_near(frequency, amplitude, target)
-    return "none" if peak is None else f"{peak:.2f} Hz"
+    return "no peak" if peak is None else f"peak at {peak:.2f} Hz"
 
 
 def spectra(runs):
@@ -163,7 +163,7 @@ def spectra(runs):
             panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
             if name != "displacement":
                 text += [f"{run.name}, {name.replace('_', ' ')}: " + ", ".join(
-                    f"{mark} = {target:.2f} Hz peak {peak_text(frequency, mean, target)}"
+                    f"{mark} = {target:.2f} Hz: {peak_text(frequency, mean, target)}"
                     for mark, target in marks.items())]
     for panel in panels:
         for mark, target in marks.items():

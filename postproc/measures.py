@@ -199,7 +199,7 @@ ROWS = (  # label, unit, field, factor
     ("steepest slope within a spacing of the edge", "mm/m", "edge_slope", 1e3),
     ("stress before the edge, mean of one spacing", "kPa", "stress_structure", 1e-3),
     ("stress behind the edge, mean of one spacing", "kPa", "stress_beyond", 1e-3),
-    ("stress jump at the edge, of these means", "kPa", "stress_jump", 1e-3),
+    ("stress jump at the edge, between these means", "kPa", "stress_jump", 1e-3),
     ("largest sleeper displacement in the passage", "mm", "sleeper_displacement", 1e3),
     ("largest residual sleeper displacement after it", "mm", "sleeper_residual", 1e3),
 )
@@ -292,8 +292,8 @@ def effect(first, second):
     if np.isfinite(far):
         lines.append(f"plain track beyond the wedge: {far:+.0%}: " + (
             f"equal within {CLEAR:.0%}, so the runs are comparable" if abs(far) <= CLEAR else
-            f"differs by more than {CLEAR:.0%}, although there is no wedge: the runs are not "
-            "comparable"))
+            f"differs by more than {CLEAR:.0%}, although neither run has a wedge there: the runs "
+            "are not comparable"))
     for what, field, wanted in (("width of the transition", "width", 1),
                                 ("steepest slope, whole line", "steepest", -1),
                                 ("slope at the edge", "edge_slope", -1)):

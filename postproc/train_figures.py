@@ -101,12 +101,12 @@ def numbers(passing):
             -1e3 * np.nanmean(passing.lowest[axle]), "mm")
         found[f"axle {axle + 1}, sleepers down, most"] = (
             -1e3 * np.nanmin(passing.lowest[axle]), "mm")
-        found[f"axle {axle + 1}, sleepers lower than under axle 1, mean"] = (
+        found[f"axle {axle + 1}, sleepers down, increase since axle 1, mean"] = (
             1e3 * np.nanmean(passing.sunk_since_first()[axle]), "mm")
     if passing.seats is not None:
         lean = passing.seats[..., 0] - passing.seats[..., 1]
-        found["left seat above right seat of a sleeper, most"] = (1e3 * lean.max(), "mm")
-        found["left seat above right seat of a sleeper, least"] = (1e3 * lean.min(), "mm")
+        found["left minus right seat height of a sleeper, largest"] = (1e3 * lean.max(), "mm")
+        found["left minus right seat height of a sleeper, smallest"] = (1e3 * lean.min(), "mm")
     found["rail above a sleeper, down, most"] = (-1e3 * passing.rail.min(), "mm")
     left = -1e3 * passing.left
     found["permanent settlement after the train, mean of sleepers"] = (left.mean(), "mm")

@@ -89,8 +89,9 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
   s.number("angularity", bed.angularity, {.at_least = 0, .at_most = 1},
            "Angularity (pebbles); 0: corners on an ellipse; 1: corners far from it.");
   s.numbers("clump", bed.clump, {.unit = "m"},
-            "x, y, z, radius of each sphere of the stone (clump), at any scale, as stones are "
-            "scaled to the sieves; none: generated polyhedra are filled with spheres (space).");
+            "x, y, z, radius of each sphere of the stone (clump), at any scale, since the "
+            "program scales the stone to the sieves; none: generated polyhedra are filled with "
+            "spheres (space).");
   s.file("library", bed.library,
          "File of shapes made by `trackbed shapes ... --library FILE` (library). A resumed run "
          "needs this file as long as stones are still to be generated.");
@@ -182,8 +183,8 @@ void BedParameters::declare(input::Section& s) {
   fixed_container.end();
   LayerParameters::declare(s);
   s.tables("layer", layers,
-           "Layers below the ballast (sub-ballast); a stage of kind fill generates the layer that "
-           "it names.");
+           "Further layers, usually below the layer that [bed] itself describes (sub-ballast); a "
+           "stage of kind fill pours the layer that it names.");
 }
 
 // Level between the ends of the crest.

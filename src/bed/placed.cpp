@@ -116,7 +116,7 @@ void ShapeParameters::declare(input::Section& s) {
            "is kept (docs/shapes.md).");
   s.numbers("spheres", spheres, {.unit = "m"},
             "x, y, z, radius of each sphere (clump); none: a generated polyhedron filled with "
-            "spheres. In a plane y is not used.");
+            "spheres. A plane model ignores y.");
   s.table("polyhedron", polyhedron,
           "Randomly generated stones, as in a bed. A mesh uses only `rounding`, `pieces` (largest "
           "number) and `vertices` (largest number, of each piece).");

@@ -68,7 +68,7 @@ void PolyhedronParameters::declare(input::Section& s) {
   s.integer("pieces", pieces, {.at_least = 2, .at_most = 100},
             "Number of convex pieces of equal volume into which a stone is cut (compound).");
   s.numbers("spheres", spheres, {.at_least = 1, .at_most = 200},
-            "Smallest and largest number of spheres in a stone, evenly distributed over the shapes "
+            "Smallest and largest number of spheres in a stone; the shapes cover this range evenly "
             "(clump).",
             2);
   s.rule("spheres", spheres.size() == 2 && spheres[0] <= spheres[1],

@@ -34,12 +34,12 @@ const std::vector<EnvelopeSpec>& envelopes() {
        "envelope/sleeper/displacement_min",
        Extreme::least,
        Reference::first_row,
-       {"m", "lowest, from the beginning of the passage"}},
+       {"m", "lowest, relative to the beginning of the passage"}},
       {"history/sleeper/displacement",
        "envelope/sleeper/displacement_max",
        Extreme::most,
        Reference::first_row,
-       {"m", "highest, from the beginning of the passage"}},
+       {"m", "highest, relative to the beginning of the passage"}},
       {"history/sleeper/acceleration",
        "envelope/sleeper/acceleration_max",
        Extreme::most,
@@ -49,12 +49,12 @@ const std::vector<EnvelopeSpec>& envelopes() {
        "envelope/ground/displacement_min",
        Extreme::least,
        Reference::first_row,
-       {"m", "lowest, from the beginning of the passage"}},
+       {"m", "lowest, relative to the beginning of the passage"}},
       {"history/ground/sigma_z",
        "envelope/ground/sigma_z_min",
        Extreme::least,
        Reference::first_row,
-       {"Pa", "largest compression, from the beginning of the passage"}}};
+       {"Pa", "largest compression, relative to the beginning of the passage"}}};
   return list;
 }
 

@@ -49,7 +49,7 @@ std::vector<Column> region_columns(const std::string& name) {
       {group + "bulk_density", {"kg/m3", "mass of stones divided by volume of the cell"}},
       {group + "stones", {"-", "number of stones with their centre in the cell"}},
       {group + "coordination",
-       {"-", "mean number of stones and surfaces in contact with such a stone"}},
+       {"-", "mean number of stones and surfaces that touch a stone with its centre in the cell"}},
       {group + "contacts", {"-", "number of contacts with their branch midpoint in the cell"}},
       {group + "contact_force", {"N", "mean magnitude of the contact forces"}},
       {group + "stress", {"Pa", "Love-Weber, xx yy zz xy xz yz of each cell, tension positive"}},

@@ -354,7 +354,7 @@ def test_small_changes_have_no_verdict(runs):
     assert text.count("no clear effect (within 10%)") == 4 and "expected of a wedge" not in text
     far = with_ground(runs[0], displacement_min=1.2 * made.ground_displacement(x, True))
     text = measures.table([far, runs[0]])
-    assert "although there is no wedge: the runs are not comparable" in text
+    assert "although neither run has a wedge there: the runs are not comparable" in text
     assert "no verdict, since the plain tracks differ" in text
     assert "no verdict" not in measures.table(runs)
 

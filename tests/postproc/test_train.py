@@ -38,7 +38,7 @@ def test_settlement_of_each_axle():
     # Right behind the axle the displacement is the deflection plus the settlement by this axle.
     assert found["axle 1, sleepers down, mean"][0] == pytest.approx(1.1)
     assert found["axle 2, sleepers down, most"][0] == pytest.approx(1.2)
-    assert found["axle 2, sleepers lower than under axle 1, mean"][0] == pytest.approx(0.1)
+    assert found["axle 2, sleepers down, increase since axle 1, mean"][0] == pytest.approx(0.1)
     assert found["permanent settlement after the train, largest"][0] == pytest.approx(0.2)
 
 
@@ -58,7 +58,7 @@ def test_two_rails_are_distinguished():
     assert found["axle 2, left and right wheel, largest difference"][0] == pytest.approx(0)
     assert found["least wheel force over the bed"][0] == pytest.approx(46)
     assert found["axle 1, sleepers down, mean"][0] == pytest.approx(1.1)
-    assert found["left seat above right seat of a sleeper, most"][0] == pytest.approx(3)
+    assert found["left minus right seat height of a sleeper, largest"][0] == pytest.approx(3)
     figure = train_figures.draw(passing, {})
     labels = [line.get_label() for line in figure.axes[0].lines]
     assert labels == ["axle 1, left", "axle 1, right", "axle 2, left", "axle 2, right"]

@@ -65,7 +65,7 @@ def check_resume(program, folder):
 def check_figures(source, folder):
     ran = subprocess.run([sys.executable, source / "postproc/train_figures.py", folder, "-o",
                           folder / "figures"], capture_output=True, text=True, check=False)
-    if ran.returncode or "axle 4, sleepers lower than under axle 1" not in ran.stdout:
+    if ran.returncode or "axle 4, sleepers down, increase since axle 1" not in ran.stdout:
         raise SystemExit(f"train_figures.py: {ran.stdout}{ran.stderr}")
     ran = subprocess.run([sys.executable, source / "postproc/track_figures.py", folder, "-o",
                           folder / "figures"], capture_output=True, text=True, check=False)

@@ -158,7 +158,7 @@ def check_sentences(bench):
         raise SystemExit("a refused run must leave nothing behind")
     ran = bench.program(1, "run", deck, f"bed.cell={bench.cell}", *TILE, "--force", "-o",
                         bench.cell)
-    if ran.returncode != 2 or "checkpoint to start from" not in ran.stderr:
+    if ran.returncode != 2 or "checkpoint that the run reads at its start" not in ran.stderr:
         raise SystemExit(f"a run must not replace its own cell:\n{ran.stdout}{ran.stderr}")
 
 

@@ -130,7 +130,7 @@ def check_runs(program, decks, folder):
     if not np.allclose(force[0], 54545, atol=10):
         raise SystemExit(f"forces at rest: {force[0]}")
     ran = program(1, "resume", folder / "run")
-    if ran.returncode != 2 or "a track alone without a checkpoint" not in ran.stderr:
+    if ran.returncode != 2 or "(alone or on a ground) without a checkpoint" not in ran.stderr:
         raise SystemExit(f"no checkpoint to resume: {ran.stderr}")
     ran = program(1, "run", decks / "plain.toml", *SHORT, "-o", folder / "run")
     if ran.returncode != 2 or "--force" not in ran.stderr:

@@ -65,7 +65,8 @@ void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   sub->add_option("--vertices", shapes.mesh.vertices,
-                  "Number of vertices of a stone; largest number of vertices of a piece of a mesh")
+                  "Number of vertices of a parametric stone; for a mesh, at most this number in "
+                  "each convex piece")
       ->check(CLI::Range(6, 200))
       ->capture_default_str();
   sub->add_option("--rounding", shapes.mesh.rounding,

@@ -11,8 +11,8 @@ namespace trackbed::app {
 using input::Values;
 using input::values_of;
 
-// "key = new, before old" for each value that differs, except the title and those that set when to
-// stop and when to write a checkpoint.
+// "key = new (previously old)" for each value that differs, except the title, the duration of a
+// passage, and those that set when to stop and when to write a checkpoint.
 std::vector<std::string> changes(const Values& before, const Values& now);
 
 }  // namespace trackbed::app

@@ -1,6 +1,6 @@
-// Which runs of a track alone can be continued: those with a checkpoint whose parameters are the
-// same, except for the few that `free_to_change` declares. Another interval of histories is
-// refused, since rows are counted in steps from the start.
+// Which runs of a track, alone or on a ground, can be continued: those with a checkpoint whose
+// parameters are the same, except for the few that `free_to_change` declares. Another interval of
+// histories is refused, since rows are counted in steps from the start.
 #include "app/restart/track_resume.hpp"
 
 #include <fmt/format.h>
@@ -42,9 +42,11 @@ void require_track_checkpoint(const par::Comm& comm, const std::string& path) {
   }
   found = comm.broadcast(found);
   if (!found.empty())
-    throw InputError({found + ": contains a run of a track alone without a checkpoint; such a run "
-                              "writes checkpoints only when it is stopped, or every "
-                              "output.checkpoint_interval: run the deck again"});
+    throw InputError(
+        {found +
+         ": contains a run of a track (alone or on a ground) without a checkpoint; such a run "
+         "writes checkpoints only when it is stopped, or every "
+         "output.checkpoint_interval: run the deck again"});
 }
 
 // A finished run may be made longer; the part after the checkpoint is then computed again.

@@ -1,4 +1,5 @@
-// Which runs of a track alone can be resumed, and with which changes of their input.
+// Which runs of a track, alone or on a ground, can be resumed, and with which changes of their
+// input.
 #pragma once
 
 #include <string>
@@ -14,8 +15,8 @@ namespace trackbed::app {
 // Reads the files the deck names, so that a bad one is refused before anything is changed. Local;
 // throws InputError.
 void require_files(const model::TrackModel& model);
-// Throws InputError if `path` is, or is in, the result folder of a track alone without a
-// checkpoint. Collective.
+// Throws InputError if `path` is, or is in, the result folder of a track, alone or on a ground,
+// without a checkpoint. Collective.
 void require_track_checkpoint(const par::Comm& comm, const std::string& path);
 // Whether the run that wrote `checkpoint` is unfinished, or is continued with another deck. Throws
 // InputError as `require_same_model`, and for bad files. Collective.

@@ -91,7 +91,7 @@ std::string objection(const std::string& folder, const std::vector<fs::path>& ol
   const bool remove = old_results == OldResults::remove;
   if ((remove || !old.empty()) && start_lies_in(start, folder))
     return fmt::format(
-        "{}: contains the checkpoint to start from ({}), which the new run would replace; choose "
+        "{}: contains the checkpoint that the run reads at its start ({}) and would remove; choose "
         "another folder (-o DIR)",
         folder, start);
   if (remove || old.empty()) return "";

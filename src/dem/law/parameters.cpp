@@ -33,8 +33,9 @@ void Material::declare(input::Section& s) {
            {.unit = "kg/m3", .above = 0, .usually_from = 500, .usually_to = 2e4},
            "Density of the solid; it determines the mass of the stones and sleepers made of this "
            "material.");
-  s.number("local_damping", local_damping, {.unit = "-", .at_least = 0, .at_most = 0.999},
-           "Cundall's local damping: fraction of the net force that resists motion.");
+  s.number(
+      "local_damping", local_damping, {.unit = "-", .at_least = 0, .at_most = 0.999},
+      "Cundall's local damping: ratio of the damping force, against the motion, to the net force.");
   s.number("young", young, {.unit = "Pa", .at_least = 0, .usually_from = 1e5, .usually_to = 1e12},
            "Young's modulus, for hertz contacts.");
   s.number("poisson", poisson, {.unit = "-", .above = -1, .at_most = 0.5},

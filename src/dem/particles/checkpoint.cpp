@@ -39,7 +39,8 @@ void Particles::save(io::File& file, const std::string& group) const {
       }
   file.write<std::int64_t>(group + "/history/keys", keys, 2,
                            {"-",
-                            "piece key (particle id * 65536 + piece) and the other piece's, or "
+                            "columns: key of a piece (particle id * 65536 + piece); key of the "
+                            "other piece, or of a patch of a surface, "
                             "-1 - (surface number * 2^32 + patch)"});
   file.write<double>(
       group + "/history/xi", xi, 4,
@@ -47,8 +48,8 @@ void Particles::save(io::File& file, const std::string& group) const {
   file.write<double>(
       group + "/history/size", size, 2,
       {"m, m3",
-       "columns: contact size sqrt(R delta) when the displacement was stored; this size times the "
-       "spread of the contact (linear law: 1; the spread in m2)"});
+       "columns: contact size sqrt(R delta) when the displacement was stored (linear law: 1); this "
+       "size times the spread of the contact (linear law: the spread, m2)"});
   if (r.laws.any_rolls())
     file.write<double>(group + "/history/roll", roll, 3,
                        {"m", "displacement of rolling x y z; missing without rolling resistance"});

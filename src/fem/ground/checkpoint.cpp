@@ -27,7 +27,8 @@ void State::list(const Visit& visit) {
   visit("load", "N", "top load of the last window minus that in static equilibrium", load);
   visit("settled", "N", "top load in static equilibrium", settled);
   visit("offset", "m",
-        "displacement at the last static equilibrium, included in the reference geometry", offset);
+        "displacement up to the last static equilibrium, added to the shape of the surface",
+        offset);
   visit("rest", "m", "static displacement under weight and settled load", static_displacement);
   if (one_before.of[0].empty()) return;
   visit("acceleration_one_before", "m/s^2", "a window before the last one; implicit steps",

@@ -187,7 +187,7 @@ void GroundParameters::declare_sides(Section& s) {
       "the ground's motion), vx_m_s, vz_m_s (velocity of the upward wave, that is, half of the "
       "velocity recorded at an outcrop); empty: none. Rows before 0 s have no effect on the "
       "ground. The wave must be at rest in the first and in the last row; a row at either end with "
-      "less than 1e-9 of the largest speed counts as at rest.");
+      "at most 1e-9 of the largest speed counts as at rest.");
   s.rule("base_motion", base_motion.empty() || base == Base::viscous,
          "needs base = \"viscous\": a wave enters through its dashpots",
          {.reads = {"base", "sides", "base_motion"}});

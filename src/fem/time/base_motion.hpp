@@ -13,7 +13,7 @@ namespace trackbed::fem {
 
 class BaseMotion {
  public:
-  // Table with columns time_s, vx_m_s, vz_m_s. Rows at its begin and end with less than 1e-9 of the
+  // Table with columns time_s, vx_m_s, vz_m_s. Rows at its begin and end with at most 1e-9 of the
   // largest speed count as zero; the first and the last row must be zero. Throws InputError. Local:
   // every rank reads it.
   explicit BaseMotion(const std::string& path);

@@ -359,7 +359,7 @@ void GroundBelow::archive(io::Archive& a) {
   own("work_magnitude", all_work_, {"J", "sum of the magnitudes of the work of all steps"});
   FineSum nodes = work_of_nodes();
   own("node_work/quanta", nodes.counts()[0],
-      {"-", "work done on the ground, summed over its nodes, up to now, quanta of an exact sum"});
+      {"-", "work done on the ground up to now, exact sum over its nodes, in quanta"});
   own("node_work/fine_quanta", nodes.counts()[1],
       {"-", "remainder of node_work/quanta, in smaller quanta"});
   own("balance/force", force_off_, {"-", "largest relative imbalance of force"});

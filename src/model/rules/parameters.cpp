@@ -49,9 +49,10 @@ void Stage::declare_course(input::Section& s) {
            "down between walls with a controlled pressure; lift_walls: walls are lifted, and "
            "removed at the end; tamp: sleepers are lifted and tines squeeze the ballast below "
            "them.");
-  s.text("layer", layer,
-         "Name of the [[bed.layer]] poured on top of existing stones (fill); empty: the uppermost "
-         "layer, which [bed] itself describes.");
+  s.text(
+      "layer", layer,
+      "Name of the [[bed.layer]] that is poured (fill), on top of any existing stones; empty: the "
+      "layer that [bed] itself describes, usually the uppermost one.");
   // A stage that is read (not only described) has its name and its kind at this point.
   const bool positive = !name.empty() && kind != StageKind::passage && kind != StageKind::tamp;
   s.number("duration", duration,
@@ -87,10 +88,11 @@ void Stage::declare_bodies(input::Section& s) {
            "Speed at which the platen (release) or the walls (lift_walls) are lifted.");
   s.number("pressure", pressure, {.unit = "Pa", .at_least = 0, .usually_to = 1e7},
            "Target pressure of the platen (compact, shear); 0: platen.pressure.");
-  s.number("confinement", confinement, {.unit = "Pa", .at_least = 0, .usually_to = 1e7},
-           "Target pressure of the side walls of a box on the stones (compact, triaxial); 0: walls "
-           "are fixed. Opposite walls have the same displacement, controlled by a servo like that "
-           "of the platen.");
+  s.number(
+      "confinement", confinement, {.unit = "Pa", .at_least = 0, .usually_to = 1e7},
+      "Target pressure on the stones from the side walls of a box (compact, triaxial); 0: walls "
+      "are fixed. Opposite walls have the same displacement, controlled by a servo like that "
+      "of the platen.");
   s.number("displacement", displacement, {.unit = "m"},
            "Displacement during the stage; shear: of the floor and the lower half of the walls "
            "along x; triaxial: of the platen downwards.");

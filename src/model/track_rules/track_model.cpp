@@ -19,7 +19,8 @@ namespace {
 
 bool by_seats(const TrackModel& model) { return model.passage.loaded_by == track::LoadedBy::seats; }
 
-// Seat loads replace rail and train.
+// Seat loads replace rail and train. The equations still contain the rail, which without pads only
+// pinned ends hold.
 void declare_seats(const TrackModel& model, input::Section& s) {
   const input::About about{.reads = {"passage", "train", "force", "track", "load"}};
   if (!by_seats(model)) {
@@ -29,21 +30,20 @@ void declare_seats(const TrackModel& model, input::Section& s) {
     return s.rule("load", model.on_bed || text(model.load) == text({}),
                   "has no effect: it acts only with passage.loaded_by = \"seats\"", about);
   }
-  s.rule(
-      "load.gauge", model.load.gauge == 0,
-      "must be 0 except on a bed: without a bed, a table of seat loads acts equally on both rails",
-      about);
+  s.rule("load.gauge", model.load.gauge == 0,
+         "must be 0 except on a bed: without a bed, both seats of a sleeper receive the same load",
+         about);
   s.rule("passage.loaded_by", !model.on_bed,
          "must be \"train\" in a model with a bed: there the stages define the loads", about);
   s.rule("train.vehicles", model.train.vehicles.empty(),
          "must be [] with passage.loaded_by = \"seats\": seat loads replace the train", about);
   s.rule("force", model.passage.forces.empty(),
-         "needs a rail, which does not exist with seat loads (passage.loaded_by)", about);
+         "needs a rail, which seat loads replace (passage.loaded_by = \"seats\")", about);
   s.rule("track.support", model.line.track.support == track::Support::sleepers,
          "must be \"sleepers\" if seat loads are applied (passage.loaded_by)", about);
   s.rule("track.ends", model.line.track.ends == track::RailEnds::pinned,
-         "must be \"pinned\" if seat loads are applied (passage.loaded_by): without pads nothing "
-         "else holds the rail",
+         "must be \"pinned\" if seat loads are applied (passage.loaded_by): they replace the "
+         "rail, so that its ends have no effect",
          about);
 }
 

@@ -189,7 +189,7 @@ void declare_irregularity(const TrackModel& model, const track::IrregularityPara
   const double samples = track::Irregularity::samples_for(p.shortest, length);
   constexpr double most = 1e6;
   s.rule(section + ".shortest", p.kind != Kind::spectrum || samples <= most,
-         fmt::format("gives {:.3g} samples of {:g} m of track; at most {:g} are possible: give "
+         fmt::format("gives {:.3g} samples over {:g} m of track; at most {:g} are possible: give "
                      "{:.2g} m or more",
                      samples, length, most, p.shortest * samples / most),
          {.reads = reads});
