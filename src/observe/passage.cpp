@@ -13,21 +13,23 @@ namespace trackbed::observe {
 namespace {
 
 // Order of `columns_`.
-enum PassageColumn : std::size_t {
-  wheel_force,
-  wheel_x,
-  rail_displacement,
-  sleeper_displacement,
-  sleeper_acceleration,
-  seat_force,
-  body_displacement,
-  body_acceleration,
-  rail_force,
-  body_roll,
-  wheel_height,
-  ground_displacement,
-  ground_force,
-  sleeper_moment
+struct PassageColumn {
+  enum : std::size_t {
+    wheel_force,
+    wheel_x,
+    rail_displacement,
+    sleeper_displacement,
+    sleeper_acceleration,
+    seat_force,
+    body_displacement,
+    body_acceleration,
+    rail_force,
+    body_roll,
+    wheel_height,
+    ground_displacement,
+    ground_force,
+    sleeper_moment
+  };
 };
 
 }  // namespace
@@ -95,42 +97,43 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
 void PassageHistories::sample(const track::Passage& passage) {
   times_.push_back(passage.time());
   for (std::size_t i = 0; i < train_.wheels().size(); ++i) {
-    put(wheel_force, passage.wheel_force(i));
-    put(wheel_x, passage.wheel_x(i));
-    put(wheel_height, passage.wheel_height(i));
+    put(PassageColumn::wheel_force, passage.wheel_force(i));
+    put(PassageColumn::wheel_x, passage.wheel_x(i));
+    put(PassageColumn::wheel_height, passage.wheel_height(i));
   }
   for (const double x : points_)
     for (std::size_t side = 0; side < line_.sides(); ++side)
-      put(rail_displacement, passage.rail_displacement(x, side));
+      put(PassageColumn::rail_displacement, passage.rail_displacement(x, side));
   const track::Newmark& rail = passage.line_motion();
   for (const std::size_t i : sleepers_)
     for (std::size_t side = 0; side < line_.sides(); ++side) {
       const std::int32_t unknown = line_.sleeper_unknown(i, side);
-      put(sleeper_displacement, rail.displacement[unknown]);
-      put(sleeper_acceleration, rail.acceleration[unknown]);
-      put(seat_force, passage.on_sleeper(i, side));
+      put(PassageColumn::sleeper_displacement, rail.displacement[unknown]);
+      put(PassageColumn::sleeper_acceleration, rail.acceleration[unknown]);
+      put(PassageColumn::seat_force, passage.on_sleeper(i, side));
     }
   for (const std::size_t i : sleepers_)
-    if (columns_[sleeper_moment].width > 0)
+    if (columns_[PassageColumn::sleeper_moment].width > 0)
       for (std::size_t place = 0; place <= line_.sides(); ++place)
-        put(sleeper_moment,
+        put(PassageColumn::sleeper_moment,
             line_.sleeper_moment(i, line_.gauge() / 2 * (1 - static_cast<double>(place)),
                                  rail.displacement));
   for (const std::size_t i : sleepers_)
-    for (std::size_t side = 0; columns_[ground_force].width > 0 && side < line_.sides(); ++side) {
-      put(ground_displacement, passage.ground_below(i, side).height);
-      put(ground_force, passage.ground_force(i, side));
+    for (std::size_t side = 0;
+         columns_[PassageColumn::ground_force].width > 0 && side < line_.sides(); ++side) {
+      put(PassageColumn::ground_displacement, passage.ground_below(i, side).height);
+      put(PassageColumn::ground_force, passage.ground_force(i, side));
     }
   const track::Newmark& train = passage.train_motion();
   for (std::size_t i = 0; i < train_.vehicles().size(); ++i) {
     const bool forces = track::layout_of(train_.vehicles()[i].kind).constant;
     const std::int32_t body = train_.first_unknown()[i];
-    put(body_displacement, forces ? 0 : train.displacement[body]);
-    put(body_acceleration, forces ? 0 : train.acceleration[body]);
+    put(PassageColumn::body_displacement, forces ? 0 : train.displacement[body]);
+    put(PassageColumn::body_acceleration, forces ? 0 : train.acceleration[body]);
     if (const std::int32_t roll = train_.roll_unknown()[i]; line_.sides() > 1)
-      put(body_roll, roll < 0 ? 0 : train.displacement[roll]);
+      put(PassageColumn::body_roll, roll < 0 ? 0 : train.displacement[roll]);
   }
-  for (std::size_t i = 0; i < forces_; ++i) put(rail_force, passage.rail_force(i));
+  for (std::size_t i = 0; i < forces_; ++i) put(PassageColumn::rail_force, passage.rail_force(i));
 }
 
 void PassageHistories::update_extremes(const track::Passage& passage) {

@@ -10,15 +10,17 @@ namespace trackbed::observe {
 namespace {
 
 // Order of the columns below.
-enum TrainColumn : std::size_t {
-  wheel_force,
-  wheel_x,
-  rail_displacement,
-  body_displacement,
-  body_motion,
-  body_roll,
-  seat_displacement,
-  seat_force
+struct TrainColumn {
+  enum : std::size_t {
+    wheel_force,
+    wheel_x,
+    rail_displacement,
+    body_displacement,
+    body_motion,
+    body_roll,
+    seat_displacement,
+    seat_force
+  };
 };
 
 // The last ones for two rails only.
@@ -52,10 +54,10 @@ void add_seats(const TrainInstant& instant, std::size_t sleepers, std::vector<Co
   const track::TrainOnBed& on_bed = *instant.running;
   for (std::size_t i = 0; i < sleepers; ++i)
     for (std::size_t side = 0; side < instant.rails; ++side) {
-      to[rail_displacement].values.push_back(on_bed.rail_displacement(i, side));
+      to[TrainColumn::rail_displacement].values.push_back(on_bed.rail_displacement(i, side));
       if (instant.rails == 1) continue;
-      to[seat_displacement].values.push_back(on_bed.seat_displacement(i, side));
-      to[seat_force].values.push_back(on_bed.seat_force(i, side));
+      to[TrainColumn::seat_displacement].values.push_back(on_bed.seat_displacement(i, side));
+      to[TrainColumn::seat_force].values.push_back(on_bed.seat_force(i, side));
     }
 }
 
@@ -72,19 +74,19 @@ void Results::Impl::sample_train(const TrainInstant& instant, std::size_t sleepe
   }
   const track::TrainOnBed& on_bed = *instant.running;
   for (std::size_t i = 0; i < instant.wheels; ++i) {
-    train[wheel_force].values.push_back(on_bed.passage().wheel_force(i));
-    train[wheel_x].values.push_back(on_bed.wheel_x(i));
+    train[TrainColumn::wheel_force].values.push_back(on_bed.passage().wheel_force(i));
+    train[TrainColumn::wheel_x].values.push_back(on_bed.wheel_x(i));
   }
   add_seats(instant, sleepers, train);
   const track::Newmark& motion = on_bed.passage().train_motion();
   for (std::size_t i = 0; i < instant.bodies; ++i) {
     const bool forces = track::layout_of(on_bed.train().vehicles()[i].kind).constant;
     const std::int32_t body = on_bed.train().first_unknown()[i];
-    train[body_displacement].values.push_back(forces ? 0 : motion.displacement[body]);
-    train[body_motion].values.push_back(forces ? 0 : motion.acceleration[body]);
+    train[TrainColumn::body_displacement].values.push_back(forces ? 0 : motion.displacement[body]);
+    train[TrainColumn::body_motion].values.push_back(forces ? 0 : motion.acceleration[body]);
     if (instant.rails == 1) continue;
     const std::int32_t roll = on_bed.train().roll_unknown()[i];
-    train[body_roll].values.push_back(roll < 0 ? 0 : motion.displacement[roll]);
+    train[TrainColumn::body_roll].values.push_back(roll < 0 ? 0 : motion.displacement[roll]);
   }
 }
 
