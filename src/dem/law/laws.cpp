@@ -11,10 +11,6 @@
 #include "trackbed/core/error.hpp"
 #include "trackbed/dem/stiffness.hpp"
 
-// A switch over the kinds of laws has no default here: the compiler reports a new kind that has no
-// case.
-#pragma GCC diagnostic error "-Wswitch"
-
 namespace trackbed::dem {
 
 namespace {

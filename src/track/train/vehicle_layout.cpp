@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#pragma GCC diagnostic error "-Wswitch"  // a kind without a layout or a name
-
 namespace trackbed::track {
 
 namespace {
