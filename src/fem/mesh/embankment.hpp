@@ -8,9 +8,6 @@
 
 namespace trackbed::fem {
 
-// An element some 2000 times as wide as high: no layer of a ground, but a file with a wrong scale
-// in one direction, and explicit steps would be as short.
-constexpr double least_mean_ratio = 0.005;
 // m, between places that are meant to be one: the ground ends at a foot this near to its side.
 constexpr double same_place = 1e-6;
 

@@ -44,6 +44,10 @@ double tetrahedron_volume(const TenNodes& nodes);  // m^3
 // 12 (3 V)^(2/3) over the sum of the squared edges, from the corners: 1 for an equilateral
 // tetrahedron, 0 for a flat one (Liu, Joe 1994, doi:10.1007/BF01955874).
 double tetrahedron_mean_ratio(const TenNodes& nodes);
+// Its least value that a mesh may have. An element below it is some 2000 times as wide as high: no
+// layer of a ground, but a file with a wrong scale in one direction, and explicit steps would be as
+// short.
+constexpr double least_mean_ratio = 0.005;
 // Nodal volumes, m^3, from the integrals of the shape functions: the consistent distribution of a
 // uniform weight. Below 0 at corners, so not usable as mass.
 TenNumbers tetrahedron_load(const TenNodes& nodes);
