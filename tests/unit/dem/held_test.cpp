@@ -1,5 +1,6 @@
 // Held particles keep velocity and spin for any forces, and act on others as if they were
-// infinitely heavy; the same on any number of ranks.
+// infinitely heavy; the same on any number of ranks. Their motion is known exactly, and with it the
+// path of friction.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -94,6 +95,62 @@ TEST(Held, IsInfinitelyHeavyInACollision) {
   // Dampers are half a sub-step late: first order, 0.002 of a period here.
   EXPECT_NEAR(views_of(particles).at(1).velocity.y(), 0.5 * left, 2e-3 * 0.5);
   EXPECT_EQ(views_of(particles).at(0).velocity, Vec3::Zero());
+}
+
+// Two balls approach and rub, since both rotate the same way; one is driven, the other so heavy
+// that forces do not change its motion (two driven ones exert no forces on each other). Friction is
+// k_s times the path of the surfaces on each other; their arms r - delta / 2 shorten meanwhile.
+// With the arms of half a step before, the sum over the steps is that path to rounding:
+//   path(t) = w (2 r t - delta_0 t - u t^2 / 2).
+// With those of the step itself the error would be u dt / (4 r) = 2.5e-5 here.
+TEST(Held, BallsThatApproachRubByTheExactPath) {
+  constexpr double w = 30, u = 0.2, first_overlap = 1e-5, step = 5e-6;  // rad/s, m/s, m, s
+  dem::ContactLaw sticking;
+  sticking.k_n = 1e6, sticking.k_s = 1e5, sticking.friction = 1e6;
+  const double x = r - 0.5 * first_overlap;
+  std::vector<dem::NewParticle> all{sphere_at(0, {-x, 0, 0}, {0.5 * u, 0, 0}),
+                                    sphere_at(1, {x, 0, 0}, {-0.5 * u, 0, 0})};
+  for (dem::NewParticle& p : all) p.spin = {0, 0, w};
+  all[0].held = true;
+  dem::Parameters weightless;
+  weightless.gravity = 0;
+  dem::Particles particles(par::Comm::self(), test::one_material(sticking, 1e18), weightless,
+                           test::box({-0.3, -0.3, -0.3}, {0.3, 0.3, 0.3}));
+  particles.add_template(test::clump());
+  particles.add_template(test::sphere());
+  particles.add(all);
+  const auto after = [&](int steps) {
+    particles.advance(steps * step, steps);
+    EXPECT_EQ(particles.trouble(), "");
+    return views_of(particles).at(0);
+  };
+  const auto path = [&](double t) { return w * (2 * r * t - first_overlap * t - u * t * t / 2); };
+  const dem::ParticleView early = after(100), late = after(400);
+  const double expected = sticking.k_s * (path(500 * step) - path(100 * step));
+  constexpr double relative = 1e-11;  // rounding of positions, 1e-18 m, in each of 400 steps
+  EXPECT_NEAR(late.force.y() - early.force.y(), -expected, relative * expected);
+}
+
+// The same for a driven ball that is pressed on a floor at rest: the arm is r - delta.
+TEST(Held, ABallThatApproachesAFloorRubsByTheExactPath) {
+  constexpr double w = 30, u = 0.2, first_overlap = 1e-5, step = 5e-6;  // rad/s, m/s, m, s
+  dem::ContactLaw sticking;
+  sticking.k_n = 1e6, sticking.k_s = 1e5, sticking.friction = 1e6;
+  std::vector<dem::NewParticle> all{sphere_at(0, {0.001, 0.002, r - first_overlap}, {0, 0, -u})};
+  all[0].held = true, all[0].spin = {0, w, 0};
+  dem::Particles particles = scene_of(par::Comm::self(), all, sticking);
+  Surface floor = test::floor_of(1, 0.1);
+  particles.set_surfaces({&floor});
+  const auto after = [&](int steps) {
+    particles.advance(steps * step, steps);
+    EXPECT_EQ(particles.trouble(), "");
+    return views_of(particles).at(0);
+  };
+  const auto path = [&](double t) { return w * (r * t - first_overlap * t - u * t * t / 2); };
+  const dem::ParticleView early = after(100), late = after(400);
+  const double expected = sticking.k_s * (path(500 * step) - path(100 * step));
+  constexpr double relative = 1e-11;  // as above
+  EXPECT_NEAR(late.force.x() - early.force.x(), expected, relative * expected);
 }
 
 TEST(Held, StaysDrivenWhenOthersAreStopped) {
