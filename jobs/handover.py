@@ -52,14 +52,11 @@ import tomllib
 from pathlib import Path
 
 import h5py
-import matplotlib
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
+import numpy as np
 
-import launch  # noqa: E402
-import support  # noqa: E402
-from loop_deck import FALL, LoopDeck, table_of_seats  # noqa: E402
+import launch
+import support
+from loop_deck import FALL, LoopDeck, table_of_seats
 
 OPTIONS = ("rounds", "trains", "each", "load")
 LOCK = "handover.lock"
@@ -413,6 +410,9 @@ class Loop:
         self.draw(rows)
 
     def draw(self, rows):
+        import matplotlib  # here: it takes a second to load, and a refusal needs none
+        matplotlib.use("Agg")
+        import matplotlib.pyplot as plt
         shown = {"stiffness_N_m": ("support, MN/m", 1e-6),
                  "largest_seat_force_N": ("largest seat load, kN", 1e-3),
                  "settlement_per_train_m": ("settlement per train, mm", 1e3),
