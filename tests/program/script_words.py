@@ -9,6 +9,9 @@ import shutil
 import subprocess
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import program  # noqa: E402, F401 (its environment of programs of one rank)
+
 
 def refused(folder, words, command, ranks="2"):
     ran = subprocess.run([sys.executable, *command], capture_output=True, text=True, check=False,

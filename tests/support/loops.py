@@ -4,6 +4,8 @@ import pathlib
 import subprocess
 import sys
 
+import program  # noqa: F401 (its environment of programs of one rank)
+
 
 class Loops:
     def __init__(self, program, source, folder):

@@ -1,10 +1,28 @@
 """Runs the program for tests: `Program(path).run(ranks, "run", deck, ...)`."""
+import atexit
 import contextlib
 import json
 import os
 import pathlib
 import subprocess
 import tempfile
+
+
+@contextlib.contextmanager
+def alone():
+    """Environment of a program of one rank without Open MPI's daemon, which takes more than half of
+    its start (0.14 s instead of 0.33 s). The session folder is its own: programs that start at the
+    same time otherwise remove each other's (3 of 640 starts failed; none of 640 with folders of
+    their own)."""
+    with tempfile.TemporaryDirectory(prefix="trackbed-") as session:
+        yield {**os.environ, "OMPI_MCA_ess_singleton_isolated": "1",
+               "OMPI_MCA_orte_tmpdir_base": session}
+
+
+# The same for programs that a script starts, one after the other, up to the end of the test.
+EVERYWHERE = contextlib.ExitStack()
+os.environ |= EVERYWHERE.enter_context(alone())
+atexit.register(EVERYWHERE.close)
 
 
 class Program:
@@ -28,17 +46,6 @@ class Program:
             raise SystemExit(f"{arguments} on {ranks} ranks ended with {ran.returncode}, "
                              f"not {code}:\n{ran.stdout[-3000:]}\n{ran.stderr[-3000:]}")
         return ran
-
-
-@contextlib.contextmanager
-def alone():
-    """Environment of a program of one rank without Open MPI's daemon, which takes more than half of
-    its start (0.14 s instead of 0.33 s). The session folder is its own: programs that start at the
-    same time otherwise remove each other's (3 of 640 starts failed; none of 640 with folders of
-    their own)."""
-    with tempfile.TemporaryDirectory(prefix="trackbed-") as session:
-        yield {**os.environ, "OMPI_MCA_ess_singleton_isolated": "1",
-               "OMPI_MCA_orte_tmpdir_base": session}
 
 
 def expect(holds, what, ran):

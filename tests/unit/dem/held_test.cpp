@@ -131,7 +131,7 @@ TEST(Held, BallsThatApproachRubByTheExactPath) {
   EXPECT_NEAR(late.force.y() - early.force.y(), -expected, relative * expected);
 }
 
-// The same for a driven ball that is pressed on a floor at rest: the arm is r - delta.
+// The same for a driven ball that is moved into a floor at rest: the arm is r - delta.
 TEST(Held, ABallThatApproachesAFloorRubsByTheExactPath) {
   constexpr double w = 30, u = 0.2, first_overlap = 1e-5, step = 5e-6;  // rad/s, m/s, m, s
   dem::ContactLaw sticking;
