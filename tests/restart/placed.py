@@ -39,7 +39,7 @@ def main():
     for ranks in (2, 3):
         program.done(ranks, "run", deck, "-o", root / str(ranks))
         compare(reference, root / str(ranks), f"{ranks} ranks")
-    if summary(root / "3")["balance"]["imbalance_now"] > 2.9:
+    if summary(root / "3")["load_balance"]["imbalance_now"] > 2.9:
         raise SystemExit("all stones are on one rank: the comparison is meaningless")
     for ranks, windows in enumerate(stops(reference)):
         folder = root / f"stopped_{windows}"

@@ -198,9 +198,9 @@ void put_figures(const FigureInput& run, Json& json) {
         {"kinetic", totals.kinetic}, {"potential", totals.potential}, {"elastic", totals.elastic}};
   if (stones) {
     json["imbalance"] = imbalance(run);
-    json["balance"] = {{"rebalances", run.world.particles.balance().rebalances},
-                       {"imbalance_before", run.world.particles.balance().before},
-                       {"imbalance_now", run.world.particles.imbalance()}};
+    json["load_balance"] = {{"rebalances", run.world.particles.balance().rebalances},
+                            {"imbalance_before", run.world.particles.balance().before},
+                            {"imbalance_now", run.world.particles.imbalance()}};
   }
   json["stages"] = stage_list(run.course);
   if (!run.world.model.regions.empty()) json["regions"] = region_list(run);
