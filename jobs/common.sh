@@ -1,6 +1,6 @@
 # Shared by the scripts in jobs/ and tests/; sourced, not run. Afterwards the working directory is
 # the project's folder, Open MPI accepts root if the user is root, and these functions exist:
-#   install_packages           Debian packages of cmake/packages.txt that are missing
+#   install_packages [NAME...]   Debian packages that are missing: of cmake/packages.txt, and these
 #   build PRESET [-DOPTION=VALUE...] [TARGET...]   configures build/PRESET, builds (default: all)
 #   part "TEXT" COMMAND...     runs a command and prints its wall time
 #   run_model DECK DIR [--force] [key=value...]   the program on $RANKS ranks (default 2)
@@ -23,7 +23,7 @@ install_packages() {
   while read -r package; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q '^install ok installed$' ||
       missing+=("$package")
-  done < <(grep -v '^#' cmake/packages.txt)
+  done < <(grep -v '^#' cmake/packages.txt; [ $# = 0 ] || printf '%s\n' "$@")
   if [ ${#missing[@]} = 0 ]; then
     echo "All packages of cmake/packages.txt are installed."
     return

@@ -28,7 +28,11 @@ runs_in_memory() {
 }
 
 if [ ! -e "$runs" ]; then rm -f "$runs"; fi  # a link left by a call that was killed
-part "Packages" install_packages
+if [ "${1:-}" = long ]; then
+  part "Packages" install_packages clang-tidy
+else
+  part "Packages" install_packages
+fi
 part "Build" build "$preset" -DTRACKBED_WERROR=ON
 runs_in_memory
 printf '\n== Tests\n'

@@ -57,7 +57,8 @@ std::string put(Node& root, const std::string& path, Node value) {
       return fmt::format("{}: the name before {} is a value, not a section", path, word);
     Node* next = node->member(word);
     if (next == nullptr) {
-      next = &node->members.emplace_back(word, Node{}).second;
+      node->members.push_back({word, Node{}});
+      next = &node->members.back().value;
       next->from_override = true;
     }
     node = next;
@@ -140,7 +141,7 @@ Deck Deck::read(const par::Comm& comm, const std::string& path,
 // Local, but must be called with the same text on all ranks.
 Deck Deck::parse(const std::string& text, const std::string& origin,
                  const std::vector<std::string>& overrides) {
-  auto deck = std::make_unique<Text>(origin, parse_toml(text, origin), Problems(origin));
+  auto deck = std::make_unique<Text>(Text{origin, parse_toml(text, origin), Problems(origin)});
   for (const std::string& one : overrides) apply(one, deck->root, deck->problems);
   return Deck(std::move(deck));
 }

@@ -109,7 +109,7 @@ Node values_of(const Spec& spec) {
   // Leaves hold their value.
   if (!spec.is_section()) return spec.value;
   Node table;
-  for (const Spec& part : spec.parts) table.members.emplace_back(part.name, values_of(part));
+  for (const Spec& part : spec.parts) table.members.push_back({part.name, values_of(part)});
   return table;
 }
 

@@ -21,10 +21,10 @@ Node converted(const toml::node& source);
 Node converted_table(const toml::table& source) {
   Node node;
   for (const auto& [key, value] : source)
-    node.members.emplace_back(std::string(key.str()), converted(value));
+    node.members.push_back({std::string(key.str()), converted(value)});
   // toml++ sorts by name; the order of the file is restored.
   std::stable_sort(node.members.begin(), node.members.end(),
-                   [](const auto& a, const auto& b) { return a.second.line < b.second.line; });
+                   [](const auto& a, const auto& b) { return a.value.line < b.value.line; });
   return node;
 }
 
@@ -65,7 +65,7 @@ Node converted(const toml::node& source) {
   node.line = static_cast<int>(source.source().begin.line);
   // A section that is defined only by its sub-sections has no line: use that of the first one.
   if (node.line == 0 && node.is_table() && !node.members.empty())
-    node.line = node.members.front().second.line;
+    node.line = node.members.front().value.line;
   if (node.line == 0 && node.is_list() && !node.items.empty()) node.line = node.items.front().line;
   return node;
 }

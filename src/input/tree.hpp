@@ -4,7 +4,7 @@
 
 #include <cstdint>
 #include <string>
-#include <utility>
+#include <string_view>
 #include <vector>
 
 namespace trackbed::input {
@@ -12,6 +12,7 @@ namespace trackbed::input {
 // One struct for all kinds: only the member of `kind` is meaningful; for a single value of the
 // command line `text` also holds the original words. A variant would be smaller, but a deck has
 // only a few hundred values.
+struct Member;
 struct Node {
   enum class Kind { table, list, number, integer, flag, text, other };
 
@@ -20,10 +21,10 @@ struct Node {
   std::int64_t integer = 0;
   bool flag = false;
   std::string text;
-  std::vector<std::pair<std::string, Node>> members;  // of a table, in the order of the file
-  std::vector<Node> items;                            // of a list
-  int line = 0;                                       // 0: not in the file
-  bool from_override = false;                         // given on the command line
+  std::vector<Member> members;  // of a table, in the order of the file
+  std::vector<Node> items;      // of a list
+  int line = 0;                 // 0: not in the file
+  bool from_override = false;   // given on the command line
 
   bool is_table() const { return kind == Kind::table; }
   bool is_list() const { return kind == Kind::list; }
@@ -33,6 +34,11 @@ struct Node {
   }
   const Node* member(std::string_view name) const;
   Node* member(std::string_view name);
+};
+
+struct Member {
+  std::string name;
+  Node value;
 };
 
 // "stage.passage.duration", "layer[1].young" -> the words between the points; an index is a word.

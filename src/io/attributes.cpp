@@ -110,7 +110,7 @@ std::string File::text_attribute(const std::string& path, const std::string& nam
   std::string text(H5Tget_size(type.get()), '\0');
   const bool ok = H5Aread(attribute.get(), type.get(), text.data()) >= 0;
   handle_->agree(ok, subject_of(path, name), "cannot be read");
-  return text.c_str();  // up to the terminating zero
+  return text.substr(0, text.find('\0'));
 }
 
 double File::number_attribute(const std::string& path, const std::string& name) const {

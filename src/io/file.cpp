@@ -83,7 +83,7 @@ void File::Handle::agree(bool ok, const std::string& subject, std::string_view w
 }
 
 File::File(const par::Comm& comm, const std::string& path, Mode mode)
-    : handle_(std::make_unique<Handle>(comm, path, mode)) {
+    : handle_(std::make_unique<Handle>(Handle{comm, path, mode})) {
   silence_hdf5();
   const std::string verb = mode == Mode::create ? "cannot be created" : "cannot be opened";
   const std::string reason = comm.root() ? open_problem(path, mode) : "";

@@ -44,6 +44,20 @@ std::string hdf5_reason();
 // The native element type of T; owned by the library, never closed.
 template <class T>
 hid_t native_type();
+template <>
+hid_t native_type<double>();
+template <>
+hid_t native_type<float>();
+template <>
+hid_t native_type<std::int64_t>();
+template <>
+hid_t native_type<std::uint64_t>();
+template <>
+hid_t native_type<std::int32_t>();
+template <>
+hid_t native_type<std::int8_t>();
+template <>
+hid_t native_type<std::uint8_t>();
 // "64-bit real numbers", for messages about a dataset of another type than expected.
 std::string type_name(hid_t type);
 

@@ -89,7 +89,7 @@ void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
 
 // Adds the commands to `line`; the chosen one is stored by its callback.
 void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Command>& chosen) {
-  const auto command = [&](const char* name, const char* words, Command what) {
+  const auto command = [&](const char* name, const char* words, const Command& what) {
     CLI::App* sub = line.add_subcommand(name, words);
     sub->callback([&chosen, what] { chosen = what; });
     return sub;

@@ -102,7 +102,7 @@ void StoneContacts::reset(const Scene& scene, const StoneList& list) {
       pieces_.push_back(row.piece);
       checks_.push_back({-1, static_cast<std::uint32_t>(body(row.piece)),
                          static_cast<std::uint32_t>(body(other)), 0});
-      const Key wanted = keys.emplace_back(key(row.piece), key(other));
+      const Key wanted = keys.emplace_back(Key{key(row.piece), key(other)});
       while (old < keys_.size() && keys_[old] < wanted) ++old;
       if (old == keys_.size() || keys_[old] != wanted) continue;
       reaches[e] = reaches_[old], poses[e] = poses_[old];

@@ -149,7 +149,8 @@ double drift_and_rotate(State& state, double dt, const std::vector<Vec4>& refere
     const std::size_t count = std::min(lanes, state.own - b);
     const Lanes moved =
         count == lanes ? drift_and_rotate(bodies, dt) : drift_and_rotate_rest(bodies, count, dt);
-    most = select((moved <= most) | (most != most), most, moved);  // `not_below`
+    // As `not_below`. NOLINTNEXTLINE(misc-redundant-expression): true of what is not a number
+    most = select((moved <= most) | (most != most), most, moved);
   }
   double motion = 0;
   for (std::size_t k = 0; k < lanes; ++k) motion = not_below(most[k], motion);

@@ -44,8 +44,9 @@ void declare_materials_of_placed(const Model& model, input::Section& s) {
     if (model.material(name) < 0) continue;
     for (std::size_t j = 0; j < std::min(i, stones.size()); ++j) {
       const std::string& other = stones[j].second;
-      const bool reported = std::any_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(i),
-                                        [&](const auto& part) { return part.second == name; });
+      const bool reported =
+          std::any_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(i),
+                      [&name = name](const auto& part) { return part.second == name; });
       if (reported && other == name) continue;
       s.rule(key, model.material(other) < 0 || model.physics.has_law(name, other),
              fmt::format("may be in contact with stones of \"{}\", but no [[contact]] gives a law "

@@ -22,8 +22,10 @@ std::optional<track::IrregularityParameters> right_of(const TrackModel& t) {
 StageTrain::StageTrain(World& world, const Model& model) : world_(world), model_(model) {
   if (!model.has_train()) return;
   const TrackModel& t = model.track;
-  track::Irregularity(t.irregularity, t.line.track.length);
-  if (const auto right = right_of(t)) track::Irregularity(*right, t.line.track.length);
+  // Their files are read, and refused, at the start and not in the stage of the train.
+  const track::Irregularity left(t.irregularity, t.line.track.length);
+  if (const auto of_right = right_of(t))
+    const track::Irregularity right(*of_right, t.line.track.length);
   const track::Train train = train_over(t);
   wheels_ = train.wheels().size();
   bodies_ = train.vehicles().size();

@@ -20,7 +20,7 @@ struct Moments {
 Moments moments_of(const std::vector<Eigen::Vector2d>& polygon) {
   Moments m;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+    const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
     const double cross = a.x() * b.y() - b.x() * a.y();
     m.area += cross / 2;
     m.first += cross / 6 * (a + b);
