@@ -13,7 +13,8 @@ namespace trackbed::dem {
 double stiffest_contact(const Physics& physics, double radius, double largest_overlap);
 
 // s, largest sub-step: safety sqrt(m/k) of the lightest particle (kg) on the stiffest contact that
-// particles up to this bounding radius (m) can have. `limit`: the limiting case in words.
+// particles up to this bounding radius (m) can have, over the largest damping ratio above 1.
+// `limit`: the limiting case in words.
 double stable_step(const Physics& physics, const Parameters& parameters, double lightest,
                    double largest, std::string* limit = nullptr);
 

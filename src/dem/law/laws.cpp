@@ -235,16 +235,46 @@ double stiffest_contact(const Physics& physics, double radius, double largest_ov
   return stiffest;
 }
 
+namespace {
+
+// Damping ratio c / (2 sqrt(k m)) of the most damped law, 1 if none is above. Only a Hertz law of a
+// restitution below about 0.15 is: without attraction the ratio grows without limit as the
+// restitution approaches 0.
+double largest_damping(const Physics& physics) {
+  double largest = 1;
+  for (const ContactLaw& c : physics.laws) {
+    const int a = physics.material(c.first), b = physics.material(c.second);
+    if (!needs_young(c.kind) || a < 0 || b < 0) continue;
+    const Springs<double> s =
+        law_of(c, physics.materials[static_cast<std::size_t>(a)],
+               physics.materials[static_cast<std::size_t>(b)], physics.thickness)
+            .springs;
+    if (s.k_n > 0) largest = std::max(largest, s.c_n / (2 * std::sqrt(s.k_n)));
+    if (s.k_s > 0) largest = std::max(largest, s.c_s / (2 * std::sqrt(s.k_s)));
+  }
+  return largest;
+}
+
+}  // namespace
+
 // A mass on a spring, central difference: dt < 2 sqrt(m/k). A particle has many contacts at once
 // and rotates more easily than it translates, hence the safety factor well below 2. The lightest
 // particle and the stiffest contact need not belong together: this is on the safe side and cheap.
+// A damper alone slows the mass down within m/c. With a damping ratio x above 1 this is shorter
+// than the time of the spring, and a longer step would turn the motion round and make energy. The
+// step is divided by x, so that c dt/m is never above twice the safety factor.
 double stable_step(const Physics& physics, const Parameters& parameters, double lightest,
                    double largest, std::string* limit) {
   const double stiffest = stiffest_contact(physics, largest, parameters.largest_overlap);
-  if (limit)
+  const double damping = largest_damping(physics);
+  if (limit) {
     *limit = fmt::format("the lightest particle ({:.4g} kg) on the stiffest contact ({:.4g} N/m)",
                          lightest, stiffest);
-  return parameters.safety * std::sqrt(lightest / stiffest);
+    if (damping > 1)
+      *limit += fmt::format(", divided by the largest damping ratio ({:.3g}, of a low restitution)",
+                            damping);
+  }
+  return parameters.safety * std::sqrt(lightest / stiffest) / damping;
 }
 
 namespace {

@@ -60,10 +60,12 @@ void ContactLaw::declare(input::Section& s) {
   s.number("zeta_n", zeta_n, {.unit = "-", .at_least = 0, .at_most = 1},
            "Normal viscous damping ratio, linear law. The restitution of a head-on collision is "
            "exp(-2 zeta acos(zeta) / sqrt(1 - zeta^2)); with attraction = true it is exp(-pi zeta "
-           "/ sqrt(1 - zeta^2)).");
+           "/ sqrt(1 - zeta^2)). Steps of the default length change it by up to 0.05.");
   s.number("zeta_s", zeta_s, {.unit = "-", .at_least = 0, .at_most = 1},
            "Tangential viscous damping ratio, linear law.");
-  s.number("restitution", restitution, {.unit = "-", .above = 0, .at_most = 1},
+  // Without attraction a restitution of 0 would need an infinite damper, 0.001 one of 16 times the
+  // critical ratio, with steps as much shorter.
+  s.number("restitution", restitution, {.unit = "-", .at_least = 1e-3, .at_most = 1},
            "Coefficient of restitution of a head-on collision, hertz law.");
   s.flag("attraction", attraction,
          "Whether viscous damping may cause tension at the end of a collision; if not, the normal "

@@ -1,7 +1,10 @@
 // The law of one contact, called directly, for properties that trajectories do not isolate.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "dem/law/laws.hpp"
+#include "support/scene.hpp"
 #include "trackbed/dem/stiffness.hpp"
 
 namespace trackbed::dem::contact_law_test {
@@ -141,6 +144,50 @@ TEST(ContactLaw, DampingDoesNotPullUnlessAllowed) {
   EXPECT_EQ(force(c, opening, 1e-4, 1e-5, xi).z, 0);
   c.least = -std::numeric_limits<double>::infinity();
   EXPECT_NEAR(force(c, opening, 1e-4, 1e-5, xi).z, 900, 1e-9);
+}
+
+// A ball on a plate, at eight places of the first contact within a step of the default length.
+double largest_error_of_restitution(double restitution, double thickness) {
+  dem::Physics physics;
+  physics.materials = {{.name = "stone", .density = 2600, .young = 5e9}};
+  dem::ContactLaw law{.first = "stone", .second = "stone"};
+  law.kind = dem::LawKind::hertz, law.restitution = restitution;
+  physics.laws = {law}, physics.thickness = thickness;
+  dem::Parameters weightless;
+  weightless.gravity = 0;
+  dem::Domain domain = test::box(Vec3::Constant(-0.3), Vec3::Constant(0.3));
+  if (thickness > 0) domain.dimension = Dimension::plane, domain.thickness = thickness;
+  constexpr double r = 0.02, v = 1;  // m, m/s
+  const dem::Template shape = thickness > 0 ? test::disk() : test::sphere();
+  const double mass = 2600 * shape.volume * (thickness > 0 ? r * r * thickness : r * r * r);
+  const double step = stable_step(physics, weightless, mass, r);
+  double largest = 0;
+  for (int place = 0; place < 8; ++place) {
+    dem::Particles p(par::Comm::self(), physics, weightless, domain);
+    p.add_template(shape);
+    dem::NewParticle ball;
+    ball.scale = r, ball.velocity = Vec3(0, 0, -v);
+    ball.position.z() = r + (1 + place / 8.0) * v * step;
+    p.add(std::span(&ball, 1));
+    Surface plate = test::floor_of(1, 0.2);
+    p.set_surfaces({&plate});
+    p.advance(2000 * step, 2000);
+    EXPECT_EQ(p.trouble(), "");
+    largest = std::max(largest, std::abs(p[0].velocity.z() / v - restitution));
+  }
+  return largest;
+}
+
+// Without attraction the damping ratio of a law grows without limit as its restitution approaches
+// 0; with steps of the spring alone a restitution of 0.001 was 5.3 in a plane.
+TEST(ContactLaw, LowRestitutionIsResolvedByTheDefaultStep) {
+  for (const double thickness : {0.0, 0.1})
+    for (const double restitution : {0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 1e-3}) {
+      // First order in the step; a Hertz contact in space begins softly. Largest at 0.2: 0.0071 in
+      // space, 0.048 in a plane.
+      EXPECT_LT(largest_error_of_restitution(restitution, thickness), thickness > 0 ? 0.06 : 0.01)
+          << restitution << ", thickness " << thickness;
+    }
 }
 
 }  // namespace
