@@ -141,7 +141,7 @@ double reach_behind(const geom::Piece& piece) {
 }  // namespace
 
 // Each corner with its sphere follows its parabola; the first triangle it reaches from either side
-// counts.
+// counts, or one that it touches from the beginning.
 std::optional<Impact> first_impact(const std::vector<geom::Piece>& pieces, const Flight& flight,
                                    const PlacedSurfaces& placed, double until) {
   std::optional<Impact> first;
@@ -150,6 +150,7 @@ std::optional<Impact> first_impact(const std::vector<geom::Piece>& pieces, const
     const Vec3 n = normal_of(triangle), velocity = flight.velocity - placed.velocity(k);
     const double h = n.dot(corner - triangle[0]), c = n.dot(velocity);
     const double g = flight.gravity * n.z();
+    if (h <= radius && h >= -behind && is_over(triangle, corner)) first = {k, 0, false};
     for (const bool from_behind : {false, true}) {
       for (const double time : times_in_plane(from_behind ? h + behind : h - radius, c, g)) {
         const bool along_normal = c - g * time > 0;

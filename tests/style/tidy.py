@@ -20,7 +20,8 @@ CONFIGURE = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_UNITY_BUILD=O
 
 def problems_of(unit, root, build):
     """Messages on one unit, without the code they quote."""
-    run = subprocess.run(["clang-tidy", "--quiet", f"--config-file={root}/.clang-tidy", "-p", build, unit,
+    profile = f"--config-file={root}/.clang-tidy"
+    run = subprocess.run(["clang-tidy", "--quiet", profile, "-p", build, unit,
                           "--extra-arg=-Wno-unknown-warning-option"],
                          capture_output=True, text=True, check=False)
     found = re.findall(r"^\S+:\d+:\d+: (?:error|warning): .*", run.stdout, re.MULTILINE)

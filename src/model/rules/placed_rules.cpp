@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "model/rules/rules.hpp"
 #include "model/rules/skin_rule.hpp"
@@ -189,6 +190,16 @@ void declare_motion(const Model& model, input::Section& s) {
     return stone.shape != bed::ShapeKind::ball && stone.shape != bed::ShapeKind::clump;
   });
   declare_steadiness(model, corners, s);
+  // A contact of the lightest stone with the stiffest spring lasts half a period, pi sqrt(m/k).
+  const double contact = std::min(std::numbers::pi / model.dem.safety, 1e6);  // sub-steps
+  s.rule("time.substeps",
+         model.time.window > 0 || model.time.step > 0 || model.time.substeps == 1 ||
+             model.time.substeps <= contact / 4,
+         fmt::format("is more than a quarter of a contact of the lightest stone, which lasts about "
+                     "{:.0f} sub-steps: impulses, peak forces and supplied work are taken from the "
+                     "ends of windows and miss shorter contacts; give at most {:d}",
+                     contact, std::max(1, static_cast<int>(contact / 4))),
+         {.severity = input::Severity::warning, .reads = {"time.substeps", "dem.safety"}});
   s.rule("time.step", stones.empty() || moves || model.time.step > 0,
          "must be given: no stone is free, so that the program cannot derive a step from stability",
          {.reads = {"stone", "time"}});
