@@ -41,6 +41,6 @@ if [ "${1:-}" = long ]; then
   # Presets leave this tier out.
   ctest --test-dir "build/$preset" -L study --output-on-failure "$@"
 else
-  # More tests than cores: most short runs wait for each other or for the disk at times.
-  ctest --preset "$preset" -j$(($(nproc) + 2)) "$@"
+  # One test more than cores: most short runs wait for each other or for the disk at times.
+  ctest --preset "$preset" -j$(($(nproc) + 1)) "$@"
 fi

@@ -47,7 +47,7 @@ void Results::Impl::sample_ground(const fem::Ground& solid) {
     std::size_t at = k;
     for (const int axis : axes)
       for (const Motion& motion : motions) {
-        values[at] = (state.*motion.of)[axis];
+        values[at] = (state.*motion.of)[axis] + 0.0;  // no -0, which a sum over ranks has not
         at += nodes.size();
       }
     values[at] = state.sigma_z;

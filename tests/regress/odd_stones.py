@@ -247,19 +247,19 @@ def check_steps(bench):
 
 
 def check_warnings(bench):
-    deck = bench.deck("balls", BALLS)
+    deck, rolls = bench.deck("balls", BALLS), "contact.0.rolling_friction=0.1"
     odd = (("contact.0.rolling_stiffness=1e3", "1e-6", "rolling_stiffness = 1000 is far from"),
            ("dem.safety=0.9", "1e-4", "dem.safety = 0.9 is far from"),
            ("dem.skin=0.5", "1e-6", "makes neighbour lists that are very long"))
-    ran = bench.program.done(1, "check", deck, *(change for change, _, _ in odd))
+    ran = bench.program.done(1, "check", deck, rolls, *(change for change, _, _ in odd))
     for change, _, words in odd:
         expect(words in ran.stdout, f"{change}: no warning", ran)
-    low = bench.program.done(1, "check", deck,
+    low = bench.program.done(1, "check", deck, rolls,
                              *(f"{change.split('=')[0]}={value}" for change, value, _ in odd))
     expect(low.stdout.count("warning") == 3, "three values are too low", low)
     for fine in ((), ("contact.0.rolling_stiffness=0.01", "dem.safety=0.01", "dem.skin=1e-4"),
                  ("contact.0.rolling_stiffness=5", "dem.safety=0.5", "dem.skin=0.01")):
-        ran = bench.program.done(1, "check", deck, *fine)
+        ran = bench.program.done(1, "check", deck, rolls, *fine)
         expect("warning" not in ran.stdout, f"{fine}: a warning", ran)
     bed = bench.deck("cell", BED.replace("DURATION", "0.5"))
     for skin, warns in ((5, True), (5e-3, False), (1e-6, True)):

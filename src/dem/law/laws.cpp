@@ -307,6 +307,20 @@ double steady_safety(const Physics& physics) {
   return least;
 }
 
+// The surface of a sphere yields to a tangential force 7/2 times as much as its centre does. With
+// the velocity of half a step ago, u'' = -7/2 (k_s u + c_s u')/m alternates from step to step if
+// 7/2 (c_s dt + k_s dt^2 / 2)/m >= 2. With dt = s sqrt(m/k), c_s = 2 zeta_s sqrt(k_s m) and q^2 =
+// k_s/k, k the larger stiffness: 7/4 (q s)^2 + 7 zeta_s (q s) = 2.
+double steady_friction(const Physics& physics) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const ContactLaw& c : physics.laws) {
+    if (needs_young(c.kind) || !(c.k_s > 0 && c.zeta_s > 0 && c.friction > 0)) continue;
+    const double q = std::sqrt(c.k_s / std::max(c.k_n, c.k_s)), x = 7 * c.zeta_s;
+    least = std::min(least, (std::sqrt(x * x + 14) - x) / (3.5 * q));
+  }
+  return least;
+}
+
 // All problems at once. A pair that is not given stays at -1; whether it is needed is known only
 // when particles and surfaces exist (`check_laws`).
 LawTable::LawTable(const Physics& physics)

@@ -325,10 +325,10 @@ void Particles::Impl::compute_surface_forces(const SubStep& step) {
   // Only the worst case: a slow surface that is moved through a bed touches many.
   report(fmt::format(
       "particle {} at ({:.3g}, {:.3g}, {:.3g}) m overlaps the surface \"{}\" by {:.3g} "
-      "of its radius (limit dem.largest_overlap = {:.3g}); a slower impact or surface, a smaller "
+      "of its {} (limit dem.largest_overlap = {:.3g}); a slower impact or surface, a smaller "
       "step, a stiffer contact or less load may help",
       state.id[b], x.x, x.y, x.z, surfaces[static_cast<std::size_t>(deepest->surface)]->name, worst,
-      parameters.largest_overlap));
+      has_corners(deepest->piece) ? "rounding radius" : "radius", parameters.largest_overlap));
 }
 
 }  // namespace trackbed::dem

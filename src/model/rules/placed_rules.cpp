@@ -76,6 +76,14 @@ void declare_idle_of_laws(const Model& model, input::Section& s) {
     idle("zeta_n", !hertz, law.zeta_n != usual.zeta_n);
     idle("zeta_s", !hertz, law.zeta_s != usual.zeta_s);
     idle("restitution", hertz, law.restitution != usual.restitution);
+    const auto rolls = [&](const char* name, bool given) {
+      const std::string key = fmt::format("contact[{}].{}", i, name);
+      s.rule(key, law.rolling_friction > 0 || !given,
+             "has no effect with rolling_friction = 0; leave it out",
+             {.reads = {fmt::format("contact[{}].rolling_friction", i), key}});
+    };
+    rolls("rolling_stiffness", law.rolling_stiffness != usual.rolling_stiffness);
+    rolls("zeta_r", law.zeta_r != usual.zeta_r);
   }
 }
 
