@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The second command: installs what is missing (Debian 12), builds everything and runs the tests.
 #   tests/run.sh [PRESET] [long] [ctest option...]   PRESET: release (default), debug or sanitize
-# e.g. `tests/run.sh sanitize -L unit`, `tests/run.sh release -R style`. `long`: the tests that the
-# other call leaves out, with the wall time of each.
+# e.g. `tests/run.sh sanitize -R _test_on_`, `tests/run.sh release -R style`. `long`: the tests that
+# the other call leaves out, with the wall time of each.
 source "$(dirname "${BASH_SOURCE[0]}")/../jobs/common.sh"
 
 preset=release
@@ -28,11 +28,9 @@ runs_in_memory() {
 }
 
 if [ ! -e "$runs" ]; then rm -f "$runs"; fi  # a link left by a call that was killed
-if [ "${1:-}" = long ]; then
-  part "Packages" install_packages clang-tidy
-else
-  part "Packages" install_packages
-fi
+of_tier=()
+if [ "${1:-}" = long ]; then of_tier=(clang-tidy); fi
+part "Packages" install_packages "${of_tier[@]}"
 part "Build" build "$preset" -DTRACKBED_WERROR=ON
 runs_in_memory
 printf '\n== Tests\n'

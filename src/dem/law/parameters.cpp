@@ -63,8 +63,8 @@ void ContactLaw::declare(input::Section& s) {
            "/ sqrt(1 - zeta^2)). Steps of the default length change it by up to 0.05.");
   s.number("zeta_s", zeta_s, {.unit = "-", .at_least = 0, .at_most = 1},
            "Tangential viscous damping ratio, linear law.");
-  // Without attraction a restitution of 0 would need an infinite damper, 0.001 one of 16 times the
-  // critical ratio, with steps as much shorter.
+  // Without attraction a restitution of 0 would need an infinite damper; 0.001 needs 16 times the
+  // critical damping, and steps shorter by this factor.
   s.number("restitution", restitution, {.unit = "-", .at_least = 1e-3, .at_most = 1},
            "Coefficient of restitution of a head-on collision, hertz law.");
   s.flag("attraction", attraction,
