@@ -5,18 +5,17 @@
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Side_of_triangle_mesh.h>
 #include <CGAL/Surface_mesh.h>
 
 #include <cmath>
 
+#include "geom/convex/kernel.hpp"
 #include "trackbed/geom/mesh.hpp"
 
 namespace trackbed::geom {
 
 std::vector<double> depths(const Mesh& mesh, const std::vector<Vec3>& points) {
-  using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
   using Primitive = CGAL::AABB_face_graph_triangle_primitive<Surface>;
   using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;

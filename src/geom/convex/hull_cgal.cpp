@@ -4,7 +4,6 @@
 // Kernel: exact predicates (is a point above a plane?) by interval arithmetic, with exact numbers
 // where that is inconclusive, and coordinates in double, since a hull makes no new points. Space:
 // quickhull (Barber, Dobkin, Huhdanpaa 1996, doi:10.1145/235815.235821).
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/convex_hull_2.h>
 #include <CGAL/convex_hull_3.h>
@@ -13,10 +12,9 @@
 #include <map>
 
 #include "geom/convex/hull.hpp"
+#include "geom/convex/kernel.hpp"
 
 namespace trackbed::geom {
-
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
 std::vector<Eigen::Vector2d> convex_hull(const std::vector<Eigen::Vector2d>& points) {
   std::vector<Kernel::Point_2> given, corners;

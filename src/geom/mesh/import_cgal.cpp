@@ -5,7 +5,6 @@
 // cleaned and oriented before there is a surface at all (CGAL's half-edge mesh requires it), specks
 // are removed before holes are closed (their holes do not count), and the checks come last, on the
 // mesh to be used.
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
@@ -24,6 +23,7 @@
 #include <algorithm>
 
 #include "geom/convex/hull.hpp"
+#include "geom/convex/kernel.hpp"
 #include "geom/convex/refusal.hpp"
 #include "geom/mesh/soup.hpp"
 #include "trackbed/core/error.hpp"
@@ -34,7 +34,6 @@ namespace trackbed::geom {
 namespace {
 
 namespace pmp = CGAL::Polygon_mesh_processing;
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
 
 // Specks from a scanner are far smaller, a second stone is far larger.
