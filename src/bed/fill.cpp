@@ -65,8 +65,9 @@ double pour(dem::Particles& particles, const par::Comm& comm, const Mix& mix, in
   top = comm.max(top);
   if (top > particles.domain().high.z())
     throw RunError(
-        fmt::format("the loose stones reach a height of {:.3g} m; the top of the domain is at "
-                    "{:.3g} m, ten times the height of the bed",
+        fmt::format("the loose stones would reach a height of {:.3g} m, above the top of the "
+                    "domain at {:.3g} m (1 m plus ten times the height of all layers); make the "
+                    "bed wider, or its stones less elongated",
                     top, particles.domain().high.z()));
   std::vector<int> numbers;
   for (const dem::Template& shape : mix.templates())

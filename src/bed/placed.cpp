@@ -179,9 +179,9 @@ void BoxParameters::declare(input::Section& s) {
   s.text("name", name, "Name of the box in histories, messages and overrides.", {}, true);
   s.text("material", material, "Contact material of the box.");
   s.numbers("low", low, {.unit = "m"},
-            "Corner of the box with smallest x, y, z, before the rotation.", 3);
+            "Corner of the box with smallest x, y, z, before the rotation about its centre.", 3);
   s.numbers("high", high, {.unit = "m"},
-            "Corner of the box with largest x, y, z, before the rotation.", 3);
+            "Corner of the box with largest x, y, z, before the rotation about its centre.", 3);
   s.choice("side", side, {"inside", "outside"},
            "Side on which the stones are; inside: a container; outside: a body. In a plane the box "
            "has no faces across y.");

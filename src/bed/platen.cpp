@@ -38,7 +38,7 @@ std::string Platen::shortfall() const {
   if (steady()) return {};
   return fmt::format(
       "the averaged pressure of the platen is {:.1f} kPa; it was within {:g} % of {:g} kPa for "
-      "{:.3g} s instead of {:g} s (platen.hold)",
+      "{:.3g} s instead of {:g} s (platen.hold); give a longer stage.duration",
       pressure() / 1e3, 100 * parameters_.tolerance, parameters_.pressure / 1e3,
       servo_.steady_for(), parameters_.hold);
 }

@@ -60,8 +60,8 @@ void PolyhedronParameters::declare(input::Section& s) {
       "spread 0.23, 28 % of the stones receive 0.95); 0: all shapes have exactly the specified "
       "proportions.");
   s.number("angularity", angularity, {.at_least = 0, .at_most = 1},
-           "Angularity; 0: corners evenly distributed over an ellipsoid; 1: a worn polyhedron with "
-           "few main corners.");
+           "Angularity; 0: corners evenly distributed over an ellipsoid; 1: most angular, with "
+           "corners concentrated at few main corners.");
   s.number("rounding", rounding, {.above = 0, .at_most = 0.2},
            "Radius of edges and corners divided by the diameter of the sphere of equal volume; the "
            "volume is kept.");

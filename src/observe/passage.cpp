@@ -55,7 +55,7 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
       {"history/sleeper/displacement", {"m", "vertical, up positive"}, sleepers_each, {}},
       {"history/sleeper/acceleration", {"m/s2", "vertical, no filter"}, sleepers_each, {}},
       {"history/sleeper/seat_force",
-       {"N", "of the pad, compression positive, or the seat load"},
+       {"N", "force of the pad on the sleeper, or the seat load, down positive"},
        sleepers_each,
        {}},
       {"history/body/displacement",

@@ -26,7 +26,7 @@ PassageEnvelope::PassageEnvelope(const track::Line& line)
       sleeper_{"envelope/sleeper/displacement", "m", "vertical displacement, up positive", {}, {}},
       seat_{"envelope/sleeper/seat_force",
             "N",
-            "force of the pad, compression positive, or the seat load",
+            "force of the pad on the sleeper, or the seat load, down positive",
             {},
             {}} {
   for (const double x : monitored(line))

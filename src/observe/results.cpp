@@ -31,7 +31,8 @@ std::vector<Column> sleeper_columns() {
            {"m", "vertical, of the centre, since the sleeper was placed"}},
           {"history/sleeper/velocity", {"m/s", "vertical"}},
           {"history/sleeper/acceleration", {"m/s2", "vertical, in the last window, no filter"}},
-          {"history/sleeper/seat_force", {"N", "vertical load on the rail seat, up positive"}},
+          {"history/sleeper/seat_force",
+           {"N", "vertical force on the rail seat, up positive (a load is negative)"}},
           {"history/sleeper/reaction", {"N", "vertical, of the stones, mean of the last window"}}};
 }
 

@@ -205,7 +205,7 @@ def check_steps(bench):
     damped = ["contact.0.zeta_s=1", "contact.0.zeta_n=1"]
     bench.accepted(lone, [*damped, "dem.safety=0.29"])
     bench.accepted(lone, [*damped, "dem.safety=0.31"],
-                   warning="changes its direction in each step with a safety above about 0.30")
+                   warning="changes its sign in each sub-step if dem.safety is above about 0.30")
     bench.accepted(block("a", [0, 0, 0.5]), ["dem.safety=0.45"],
                    warning="dem.safety = 0.45: may be too large for compacted stones")
     ran = bench.accepted(ball("a", [0, 0, 0.5], motion="driven"), ["time.step=1e-5"])

@@ -199,10 +199,11 @@ std::vector<std::string> changed_springs(const io::File& checkpoint, const std::
     if (names_of_row(now, row) != names_of_row(then, row)) continue;  // of other materials
     const auto before = then.find(key);
     if (before == then.end() || before->second == value) continue;
-    sentences.push_back(fmt::format(
-        "{} = {}: the overlaps of the stones in {} are in equilibrium with {}; with the new value "
-        "the contact forces jump at the start: first let the stones settle with high damping",
-        deck.where(key), value, path, before->second));
+    sentences.push_back(
+        fmt::format("{} = {} ({} in {}): the stored overlaps of the stones are in equilibrium with "
+                    "the previous value, so that the contact forces jump at the start; first let "
+                    "the stones settle with high damping (stage.local_damping)",
+                    deck.where(key), value, before->second, path));
   }
   return sentences;
 }

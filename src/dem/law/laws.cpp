@@ -271,8 +271,10 @@ double stable_step(const Physics& physics, const Parameters& parameters, double 
     *limit = fmt::format("the lightest particle ({:.4g} kg) on the stiffest contact ({:.4g} N/m)",
                          lightest, stiffest);
     if (damping > 1)
-      *limit += fmt::format(", divided by the largest damping ratio ({:.3g}, of a low restitution)",
-                            damping);
+      *limit += fmt::format(
+          "; the sub-step is divided by the largest damping ratio of the contact laws, {:.3g} (low "
+          "restitution)",
+          damping);
   }
   return parameters.safety * std::sqrt(lightest / stiffest) / damping;
 }

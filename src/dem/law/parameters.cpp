@@ -60,7 +60,8 @@ void ContactLaw::declare(input::Section& s) {
   s.number("zeta_n", zeta_n, {.unit = "-", .at_least = 0, .at_most = 1},
            "Normal viscous damping ratio, linear law. The restitution of a head-on collision is "
            "exp(-2 zeta acos(zeta) / sqrt(1 - zeta^2)); with attraction = true it is exp(-pi zeta "
-           "/ sqrt(1 - zeta^2)). Steps of the default length change it by up to 0.05.");
+           "/ sqrt(1 - zeta^2)). With sub-steps of the default length the restitution deviates "
+           "from these formulas by up to 0.05.");
   s.number("zeta_s", zeta_s, {.unit = "-", .at_least = 0, .at_most = 1},
            "Tangential viscous damping ratio, linear law.");
   // Without attraction a restitution of 0 would need an infinite damper; 0.001 needs 16 times the

@@ -28,10 +28,11 @@ void Parameters::declare(input::Section& s) {
   s.number("safety", safety,
            {.unit = "-", .above = 0, .at_most = 1, .usually_from = 1e-3, .usually_to = 0.5},
            "Safety factor: longest sub-step divided by sqrt(m/k) of the lightest particle and the "
-           "stiffest contact.");
+           "stiffest contact. If the damping ratio of a contact law exceeds 1 (hertz, restitution "
+           "below about 0.15), the sub-step is also divided by this ratio.");
   s.number("largest_overlap", largest_overlap, {.unit = "-", .above = 0},
-           "Largest permitted overlap divided by the smaller radius; above this value the run "
-           "stops.");
+           "Largest permitted overlap divided by the smaller radius of two particles (stones with "
+           "corners: the smaller rounding radius); above this value the run stops.");
   s.number("gravity", gravity, {.unit = "m/s2", .at_least = 0, .usually_to = 100},
            "Gravitational acceleration along -z.");
 }

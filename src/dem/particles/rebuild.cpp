@@ -101,8 +101,10 @@ void Particles::Impl::migrate(std::vector<History>& history) {
           fmt::format("the position or attitude of particle {} is not a number; use smaller steps",
                       state.id[b]));
     else if (grid.outside(at))
-      report(fmt::format("particle {} left the domain at ({:.6g}, {:.6g}, {:.6g}) m", state.id[b],
-                         at.x(), at.y(), at.z()));
+      report(
+          fmt::format("particle {} left the domain at ({:.6g}, {:.6g}, {:.6g}) m; use smaller "
+                      "steps or lower speeds",
+                      state.id[b], at.x(), at.y(), at.z()));
     const int owner = at.allFinite() ? grid.owner_at(at) : comm.rank();
     if (owner == comm.rank()) {
       staying.push_back(b);

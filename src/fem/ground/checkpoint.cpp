@@ -23,7 +23,9 @@ void State::list(const Visit& visit) {
   visit("velocity", "m/s", "at the time of the checkpoint", velocity);
   visit("acceleration", "m/s^2", "at the end of the last window", acceleration);
   visit("internal", "N",
-        "nodal force of the present deformation; implicit steps: of the last predictor", internal);
+        "internal nodal forces of the present displacements; with implicit steps those of the last "
+        "predictor",
+        internal);
   visit("load", "N", "top load of the last window minus that in static equilibrium", load);
   visit("settled", "N", "top load in static equilibrium", settled);
   visit("offset", "m",
@@ -31,10 +33,10 @@ void State::list(const Visit& visit) {
         offset);
   visit("rest", "m", "static displacement under weight and settled load", static_displacement);
   if (one_before.of[0].empty()) return;
-  visit("acceleration_one_before", "m/s^2", "a window before the last one; implicit steps",
-        one_before);
-  visit("acceleration_two_before", "m/s^2", "two windows before the last one; implicit steps",
-        two_before);
+  visit("acceleration_one_before", "m/s^2",
+        "a window before the last one (only with implicit steps)", one_before);
+  visit("acceleration_two_before", "m/s^2",
+        "two windows before the last one (only with implicit steps)", two_before);
 }
 
 namespace {

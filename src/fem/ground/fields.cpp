@@ -107,8 +107,8 @@ io::Grid Ground::fields() const {
   impl_->mesh.exchange(velocity);
   impl_->mesh.exchange(acceleration);
   add_points(*impl_, velocity, acceleration, grid);
-  io::FieldData stress{"stress since settling, xx yy zz xy yz zx (Pa)", 6, {}};
-  io::FieldData static_stress{"stress at rest, xx yy zz xy yz zx (Pa)", 6, {}},
+  io::FieldData stress{"stress relative to static equilibrium, xx yy zz xy yz zx (Pa)", 6, {}};
+  io::FieldData static_stress{"stress in static equilibrium, xx yy zz xy yz zx (Pa)", 6, {}},
       solid{"solid", 1, {}};
   io::FieldData principals{"principal stresses, total, largest first (Pa)", 3, {}};
   io::FieldData shear{"largest shear stress, total (Pa)", 1, {}};

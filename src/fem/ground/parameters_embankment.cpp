@@ -86,14 +86,14 @@ void declare_section_height(const GroundParameters& p, std::size_t number, Secti
   const std::vector<double> thick = thicknesses(p, section);
   const auto thin = std::min_element(thick.begin(), thick.end());
   const auto layer = static_cast<std::size_t>(thin - thick.begin());
-  s.rule(fmt::format("section[{}].height", number), *thin > same_place,
-         fmt::format(
-             "gives layer[{1}] (\"{2}\") a thickness of {0:g} m, but it must be above 0: if the "
-             "height differs from the sum of the embankment layers, the lowest embankment layer is "
-             "thickened or thinned by the difference, and the lowest natural layer by the opposite "
-             "amount, so that the base stays level",
-             *thin, layer, p.layers[layer].name),
-         of_shape);
+  s.rule(
+      fmt::format("section[{}].height", number), *thin > same_place,
+      fmt::format(
+          "gives layer[{1}] (\"{2}\") a thickness of {0:g} m, which must be above 0; give a height "
+          "closer to the sum of the embankment layers, or a thicker layer (the difference is added "
+          "to the lowest embankment layer and subtracted from the lowest natural layer)",
+          *thin, layer, p.layers[layer].name),
+      of_shape);
 }
 
 // m, from the axis, of the feet at both ends and at the sections between, with straight lines

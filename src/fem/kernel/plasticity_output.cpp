@@ -96,8 +96,8 @@ void Plasticity::list(const Visit& visit) {
   visit("plastic/static", "-", "plastic strain in static equilibrium", width_, static_strain_);
   visit("plastic/work", "J", "dissipated by yielding of the element", 1, work_);
   if (tetrahedra_ != nullptr)
-    visit("plastic/opened", "-", "1 if the element has opened since static equilibrium", 1,
-          opened_);
+    visit("plastic/opened", "-", "1 if the element has yielded in tension since static equilibrium",
+          1, opened_);
 }
 
 }  // namespace trackbed::fem

@@ -127,9 +127,8 @@ std::vector<std::string> warning_of_ground_steps(const World& world, double long
   const double steps = longest_window / world.ground->stable_step();
   if (!(steps > many)) return {};
   return {fmt::format(
-      "warning: the ground takes up to {:.0f} steps of its own in each window; the wall time of "
-      "these steps is not included in the estimate: reduce ground.rayleigh_stiffness, or give "
-      "larger elements",
+      "warning: the ground takes up to {:.0f} steps of its own in each window, which is slow (not "
+      "included in the estimate); reduce ground.rayleigh_stiffness, or give larger elements",
       steps)};
 }
 

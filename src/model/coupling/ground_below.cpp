@@ -359,16 +359,21 @@ void GroundBelow::archive(io::Archive& a) {
   own("work_magnitude", all_work_, {"J", "sum of the magnitudes of the work of all steps"});
   FineSum nodes = work_of_nodes();
   own("node_work/quanta", nodes.counts()[0],
-      {"-", "work done on the ground up to now, exact sum over its nodes, in quanta"});
+      {"-",
+       "work done on the ground up to now, summed exactly over its nodes, as a multiple of a fixed "
+       "unit of work"});
   own("node_work/fine_quanta", nodes.counts()[1],
-      {"-", "remainder of node_work/quanta, in smaller quanta"});
+      {"-", "remainder below this unit, as a multiple of a smaller unit"});
   own("balance/force", force_off_, {"-", "largest relative imbalance of force"});
   own("balance/moment", moment_off_[0], {"-", "largest relative imbalance of the moment about y"});
   own("balance/roll_moment", moment_off_[1],
-      {"-", "largest relative imbalance of the moment about x; two rails"});
-  own("balance/height", height_off_, {"m", "largest imbalance of height; implicit steps"});
+      {"-", "largest relative imbalance of the moment about x (only with two rails)"});
+  own("balance/height", height_off_,
+      {"m",
+       "largest difference between the heights of the ground in the equations of the track and in "
+       "those of the ground (only with implicit steps)"});
   own("largest_height", most_height_,
-      {"m", "largest displacement of the ground below a sleeper; implicit steps"});
+      {"m", "largest displacement of the ground below a sleeper (only with implicit steps)"});
   if (!a.reads()) return;
   node_work_ = comm_.root() ? nodes : FineSum(largest_work);
   footprints_.add_forces(force_, load_);

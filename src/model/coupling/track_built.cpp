@@ -76,7 +76,7 @@ void introduce_track(const par::Comm& comm, const TrackModel& model, const Built
     return;
   }
   const bool hertz = model.wheel_rail.law == track::WheelRailLaw::hertz;
-  say(comm, fmt::format("  wheel and rail: {} {:.5g} {}", hertz ? "C_H" : "stiffness",
+  say(comm, fmt::format("  wheel and rail: {} {:.5g} {}", hertz ? "constant C =" : "stiffness",
                         built.law.constant(), hertz ? "N/m^1.5" : "N/m"));
   if (model.irregularity.kind != track::IrregularityKind::none)
     say(comm, words_of_d1("irregularity", model.irregularity, built.irregularity));

@@ -196,7 +196,7 @@ void FootingParameters::declare(input::Section& s) {
   s.number("y", y, {.unit = "m"}, "y of the middle of the footprint (space).");
   s.number("rails", rails, {.above = 0, .at_most = 2},
            "Number of rails whose load the ground carries: 1 for half a track; 2 for a whole "
-           "track, also if it is modelled with two rails.");
+           "track, whether track.dimension is plane or space.");
 }
 
 // The surface of a plane model is as wide as its thickness. A linear pressure across the footprint

@@ -209,7 +209,7 @@ CouplingLimit coupling_limit(const Model& model, const Stage& stage) {
 // For the log, so that the limit can be checked by hand.
 std::string CouplingLimit::words() const {
   if (!instead.empty()) return instead;
-  return fmt::format("{}, {:.0f} contact{} with stones of {:.3g} N/m{}", body, contacts,
+  return fmt::format("{}, {:.0f} contact{} with stones, stiffness {:.3g} N/m{}", body, contacts,
                      contacts > 1 ? "s" : "", stiffness, contacts > 1 ? " each" : "");
 }
 

@@ -43,7 +43,8 @@ void Stage::declare_course(input::Section& s) {
            "Kind of stage; fill: new stones fall; settle: stones come to rest; compact: the platen "
            "loads the bed until its pressure is steady; release: the platen is lifted slowly, so "
            "that the bed does not rebound; sleepers: sleepers are placed and settle; cribs: new "
-           "stones fall into the cribs; stones above the profile are removed; load: the same force "
+           "stones fall into the cribs, and stones above the profile are removed at the end; load: "
+           "the same force "
            "acts on all seats; passage: axles pass; run: time passes without new loads; shear: the "
            "lower half of divided walls moves along x under the platen; triaxial: the platen moves "
            "down between walls with a controlled pressure; lift_walls: walls are lifted, and "
@@ -55,14 +56,15 @@ void Stage::declare_course(input::Section& s) {
       "layer that [bed] itself describes, usually the uppermost one.");
   // A stage that is read (not only described) has its name and its kind at this point.
   const bool positive = !name.empty() && kind != StageKind::passage && kind != StageKind::tamp;
-  s.number("duration", duration,
-           {.unit = "s",
-            .above = positive ? 0 : -input::unbounded,
-            .at_least = positive ? -input::unbounded : 0,
-            .usually_to = 100},
-           "Longest simulated time of the stage; passage: time of all trains together; 0: until "
-           "the last axle has left (several trains with train = true need 0); tamp: must be 0, "
-           "since its times are those of [tamping].");
+  s.number(
+      "duration", duration,
+      {.unit = "s",
+       .above = positive ? 0 : -input::unbounded,
+       .at_least = positive ? -input::unbounded : 0,
+       .usually_to = 100},
+      "Longest simulated time of the stage, above 0 in all kinds but passage and tamp; passage: "
+      "time of all trains together, or 0: until the last axle has left (required for several "
+      "trains with train = true); tamp: must be 0, since its times are those of [tamping].");
   s.number("growth", growth, {.unit = "s", .at_least = 0, .usually_to = 10},
            "Time in which stones grow in place from a small initial size to their full size "
            "(fill); 0: stones of full size are dropped.");
@@ -75,10 +77,10 @@ void Stage::declare_course(input::Section& s) {
   s.number("friction", friction, {.unit = "-", .at_least = -1, .at_most = 2},
            "Friction coefficient of all contacts during the stage, for example low to pack a bed "
            "densely; below 0: that of the contact laws.");
-  s.number(
-      "until_ratio", until_ratio, {.at_least = 0},
-      "Ratio `unbalanced` (mean net force divided by mean contact force) below which the stage "
-      "ends early; 0: never. Load, passage, shear and triaxial do not use this parameter.");
+  s.number("until_ratio", until_ratio, {.at_least = 0},
+           "Ratio `unbalanced` (mean net force divided by mean contact force) below which the "
+           "stage ends early, if there are also more contacts than stones; 0: never. Load, "
+           "passage, shear and triaxial do not use this parameter.");
 }
 
 // Parameters of bodies that move, and of the profile to which stones are cut.
@@ -167,8 +169,8 @@ void TimeParameters::declare(input::Section& s) {
             "Number of sub-steps in a window if `window` is 0, as far as the coupling allows.");
   // Up to twice the estimate: the limit is exact once the lightest stone is known.
   s.rule("step", step <= 2 * rough_step,
-         fmt::format("is too long: with dem.safety, the stiffest contact and the lightest stone "
-                     "allow about {:.3g} s",
+         fmt::format("is too long: the stiffest contact, the lightest stone and the factor "
+                     "dem.safety allow about {:.3g} s",
                      rough_step));
   s.rule("step", step == 0 || step >= 1e-3 * rough_step || rough_step == input::unbounded,
          fmt::format("is less than a thousandth of the stable step of about {:.3g} s; is it in s?",

@@ -295,14 +295,13 @@ void declare_steadiness(const Model& model, bool corners, input::Section& s) {
       {.severity = input::Severity::warning,
        .reads = {"dem.safety", "time.step", "contact", "bed", "stone"}});
   const double of_friction = dem::steady_friction(model.physics);
-  s.rule(
-      "dem.safety", corners || model.time.step > 0 || model.dem.safety <= of_friction,
-      fmt::format("is too large for the dampers of friction: with these k_s and zeta_s, friction "
-                  "of balls changes its direction in each step with a safety above about {:.2f}; "
-                  "give at most this value",
-                  of_friction),
-      {.severity = input::Severity::warning,
-       .reads = {"dem.safety", "time.step", "contact", "bed", "stone"}});
+  s.rule("dem.safety", corners || model.time.step > 0 || model.dem.safety <= of_friction,
+         fmt::format("is too large for the tangential damping of spheres: with these k_s and "
+                     "zeta_s, the tangential contact force changes its sign in each sub-step if "
+                     "dem.safety is above about {:.2f}; give at most this value",
+                     of_friction),
+         {.severity = input::Severity::warning,
+          .reads = {"dem.safety", "time.step", "contact", "bed", "stone"}});
 }
 
 // In plane stress there is no confinement across the track, without which soil has hardly any

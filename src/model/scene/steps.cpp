@@ -69,7 +69,7 @@ Steps choose_steps(const World& world, const StonesStep& stones, const Stage& st
       throw InputError({fmt::format("{} = {:g} s is above the stable window of {:.4g} s ({})",
                                     deck.where("time.window"), model.time.window, coupling.window,
                                     coupling.words())});
-    steps.window = model.time.window, steps.limit = "given";
+    steps.window = model.time.window, steps.limit = "time.window";
   }
   if (!std::isfinite(steps.window))
     throw InputError({fmt::format("{}: nothing moves in stage \"{}\", so there is no time step",
@@ -92,7 +92,7 @@ Steps steps_alone(const World& world) {
   Steps steps;
   const double own = world.ground->stable_step(&steps.limit);
   steps.window = world.model.time.window > 0 ? world.model.time.window : own;
-  steps.limit = world.model.time.window > 0 ? "given" : "ground: " + steps.limit;
+  steps.limit = world.model.time.window > 0 ? "time.window" : "ground: " + steps.limit;
   return steps;
 }
 

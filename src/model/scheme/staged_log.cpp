@@ -97,13 +97,13 @@ std::string status_of(const World& world) {
   }
   const dem::Totals totals = world.particles.totals();
   const std::int64_t deep = world.particles.core_overlaps();
-  return fmt::format("E_kin {:.3g} J | overlap {:.3g} um | unbalanced {:.2g} | {} contacts{}{}",
-                     totals.kinetic, totals.largest_overlap * 1e6, totals.unbalanced,
-                     totals.contacts,
-                     deep > 0 ? fmt::format(" | cores overlapped {} times", deep) : "",
-                     world.platen ? fmt::format(" | platen {:.1f} kPa at {:.4f} m",
-                                                world.platen->pressure() / 1e3, world.platen->z())
-                                  : "");
+  return fmt::format(
+      "E_kin {:.3g} J | largest overlap {:.3g} um | unbalanced {:.2g} | {} contacts{}{}",
+      totals.kinetic, totals.largest_overlap * 1e6, totals.unbalanced, totals.contacts,
+      deep > 0 ? fmt::format(" | cores overlapped {} times", deep) : "",
+      world.platen ? fmt::format(" | platen {:.1f} kPa at {:.4f} m", world.platen->pressure() / 1e3,
+                                 world.platen->z())
+                   : "");
 }
 
 std::unique_ptr<Waiting> say_equilibrium(const World& world) {

@@ -38,8 +38,8 @@ std::string warning_of_sleepers(const World& world) {
   if (!(sunk(worst) > std::min(far_sunk, ballast))) return {};
   return fmt::format(
       "the sleeper at x = {:g} m has settled by {:.3g} mm since it was placed on {:.3g} mm of "
-      "ballast: the ballast below this sleeper has failed or the ground has sunk; results after "
-      "that are not reliable",
+      "ballast: the ballast below this sleeper has failed or the ground has sunk; results since "
+      "this happened are not reliable",
       sleepers.x(worst), 1e3 * sunk(worst), 1e3 * ballast);
 }
 
@@ -100,8 +100,10 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
     warnings.push_back(warning);
   const std::int64_t stones = world.comm.sum(flying(world));
   if (stones > 0 && world.model.has_bed() && last != StageKind::fill && last != StageKind::cribs)
-    warnings.push_back(fmt::format("{} stone{} faster than {:g} m/s or above the walls at the end",
-                                   stones, stones > 1 ? "s are" : " is", fast));
+    warnings.push_back(
+        fmt::format("{} stone{} faster than {:g} m/s or above the walls at the end: the bed may "
+                    "not be at rest, or may have lost stones; check the last stages",
+                    stones, stones > 1 ? "s are" : " is", fast));
   // A few occur in fills with high speeds; each costs about a hundred contacts.
   const std::int64_t deep = world.particles.core_overlaps();
   if (deep > world.particles.totals().particles)

@@ -228,20 +228,28 @@ std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
     if (!world_.platen->steady() || walls_are_steady(stage)) return world_.platen->shortfall();
     return fmt::format(
         "the pressure of the walls was within {:g} % of {:g} kPa only for {:.3g} s instead of {:g} "
-        "s (platen.hold)",
+        "s (platen.hold); give a longer stage.duration",
         100 * model_.platen.tolerance, stage.confinement / 1e3, world_.walls.steady_for(),
         model_.platen.hold);
   }
   if (has_cycles(stage) && stage.settlement > 0) {
     if (settlement_.last() >= 0 && settlement_.last() <= stage.settlement) return std::string{};
-    return fmt::format("the settlement of a sleeper in the last cycle is {:.3g} mm, above {:g} mm",
-                       1e3 * settlement_.last(), 1e3 * stage.settlement);
+    return fmt::format(
+        "the largest settlement of a sleeper in the last cycle is {:.3g} mm; required: at most "
+        "{:g} mm (stage.settlement); give more cycles",
+        1e3 * settlement_.last(), 1e3 * stage.settlement);
   }
   if (!ends_at_rest(stage)) return std::nullopt;
   const dem::Totals totals = world_.particles.totals();
   if (at_rest(totals, stage.until_ratio)) return std::string{};
+  if (totals.unbalanced < stage.until_ratio)
+    return fmt::format(
+        "there are {} contacts of {} stones; at rest there are more contacts than stones; give a "
+        "longer stage.duration",
+        totals.contacts, totals.particles);
   return fmt::format(
-      "the ratio of unbalanced to mean contact force is still {:.3g}; required: below {:g}",
+      "the mean net force divided by the mean contact force is {:.3g}; required: below {:g} "
+      "(stage.until_ratio); give a longer stage.duration or more damping",
       totals.unbalanced, stage.until_ratio);
 }
 

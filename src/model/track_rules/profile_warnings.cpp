@@ -122,7 +122,7 @@ void warning_rows(const TrackModel& model, const track::Irregularity& profile,
   if (rows.back() < length || rows.front() > p.fade)
     to.push_back(
         fmt::format("{} has rows from {:g} to {:g} m, but the track reaches from 0 to {:g} m; "
-                    "outside of the range of rows the rail is level",
+                    "outside of this range the profile keeps the height of the nearest row",
                     p.file, rows.front(), rows.back(), length));
 }
 

@@ -86,8 +86,8 @@ void SeatParameters::declare(input::Section& s) {
             "rest of the track (track.length) is behind the last sleeper of the bed.");
   s.number("rails", rails, {.above = 0, .at_most = 2},
            "Number of rails whose load the sleepers of the model carry: 1 for half a track; 2 for "
-           "a whole track, also if it is modelled with two rails (track.dimension = \"space\"); "
-           "for a slice of a bed the fraction of a rail that the width of the slice carries.");
+           "a whole track, whether track.dimension is plane or space; below 1 for a slice of a "
+           "bed: the fraction of the load of one rail that this width carries.");
 }
 
 TrainOnBed::TrainOnBed(const TrainOnBedParameters& parameters, const std::vector<double>& levels)

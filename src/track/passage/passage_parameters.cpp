@@ -127,7 +127,7 @@ void TrackZone::declare(input::Section& s) {
 void TrackParameters::declare_space(input::Section& s) {
   s.choice("dimension", dimension, {"plane", "space"},
            "Dimension of the track; plane: one rail with its part of vehicles and sleepers; space: "
-           "two rails, sleepers and vehicles also roll.");
+           "two rails; sleepers and vehicles can then also roll.");
   s.number("gauge", gauge, {.unit = "m", .above = 0, .usually_from = 0.6, .usually_to = 2},
            "Distance between rail centrelines: track gauge plus head width (space, or bending "
            "sleepers).");
@@ -201,8 +201,8 @@ void TrackParameters::declare(input::Section& s) {
            "Ends of the rail; pinned ends have a fixed height, equal to that of the rigid rails "
            "beyond.");
   s.integer("rails", rails, {.at_least = 1, .at_most = 2},
-            "Number of identical rails that carry equal parts of vehicles and sleepers; 1: one "
-            "beam carries all.");
+            "Number of rails of the track. The computed rail carries the fraction 1/rails of "
+            "vehicles and sleepers; 1: whole vehicles and sleepers.");
   s.number("length", length, {.unit = "m", .above = 0, .usually_to = 2000},
            "Length of the track, from x = 0; beyond its ends wheels roll on rigid rails.");
   s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.1, .usually_to = 30},

@@ -110,7 +110,8 @@ void WheelRailParameters::declare(input::Section& s) {
            "Length of the flat, which has rounded edges and the depth length^2/(16 * "
            "wheel_radius).");
   s.number("flat_at", flat_at, {.unit = "m"},
-           "x where the middle of the flat touches the rail, again after each turn of the wheel.");
+           "An x where the middle of the flat touches the rail; it also touches the rail at every "
+           "whole number of wheel circumferences before and behind this x.");
   const input::About about{.severity = input::Severity::warning,
                            .reads = {"law", "constant", "stiffness"}};
   s.rule("stiffness", law == WheelRailLaw::linear || stiffness == WheelRailParameters().stiffness,

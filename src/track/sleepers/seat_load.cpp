@@ -113,10 +113,11 @@ std::vector<std::string> SeatLoad::jumps(double first_x, double last_x, double t
                     "let the table begin with 0",
                     first, begin));
   if (std::abs(last) > unnoticed * std::abs(largest) && end < (1 - 1e-9) * time)
-    found.push_back(fmt::format(
-        "the load of the first sleeper drops from {:g} N (last row) to 0 at {:g} s; end the table "
-        "with 0, or, if the duration is given, extend it to the end of the passage ({:g} s)",
-        last, end, time));
+    found.push_back(
+        fmt::format("the load of the first sleeper drops from {:g} N (last row) to 0 at {:g} s; "
+                    "let the last row be 0, or, if the duration is given, let the table reach to "
+                    "the end of the passage ({:g} s)",
+                    last, end, time));
   return found;
 }
 

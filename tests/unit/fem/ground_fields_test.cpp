@@ -124,9 +124,9 @@ TEST_P(Fields, ExtremesAreThoseOfTheInstants) {
     ground.advance(dt, uneven_load(ground.top(), w));
     if (w % 3 == 2) continue;  // not every window is taken
     ground.take_extremes();
-    for (const auto& [place, row] : by_place(
-             ground.fields(),
-             {"principal stresses", "largest shear stress", "stress since", "stress at rest"})) {
+    for (const auto& [place, row] :
+         by_place(ground.fields(), {"principal stresses", "largest shear stress", "stress relative",
+                                    "stress in static"})) {
       const double vertical = row[4 + 2] + row[10 + 2];
       const std::vector<double> now = {row[0], -row[2], row[3], vertical, -vertical};
       auto& so_far = most.try_emplace(place, now).first->second;

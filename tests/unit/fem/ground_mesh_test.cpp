@@ -120,7 +120,7 @@ TEST(GroundOfTetrahedra, StressOfWeightIsProportionalToDepth) {
   const io::Grid grid = ground.fields();
   ASSERT_EQ(grid.kind, io::CellKind::quadratic_tetrahedron);
   const auto& rest = grid.cell_data[1];
-  ASSERT_TRUE(rest.name.starts_with("stress at rest"));
+  ASSERT_TRUE(rest.name.starts_with("stress in static"));
   const double weight = 2000 * gravity;
   for (std::size_t c = 0; c < grid.cells.size() / 10; ++c) {
     double z = 0;
