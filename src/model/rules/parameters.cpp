@@ -212,6 +212,8 @@ void Output::declare(input::Section& s) {
   s.number(
       "fields_interval", fields_interval, {.unit = "s", .at_least = 0},
       "Simulated time between fields within a stage; 0: only at its end. Needs fields = true.");
+  s.rule("fields_interval", fields_interval == 0 || fields, "has no effect without fields = true",
+         {.severity = input::Severity::warning, .reads = {"fields", "fields_interval"}});
   s.flag("ground_extremes", ground_extremes,
          "Whether the ground's fields include the smallest and largest stresses of each element at "
          "all history rows and fields of a stage in which the ground moves. If a resume within a "

@@ -97,60 +97,68 @@ TEST(Held, IsInfinitelyHeavyInACollision) {
   EXPECT_EQ(views_of(particles).at(0).velocity, Vec3::Zero());
 }
 
-// Two balls approach and rub, since both rotate the same way; one is driven, the other so heavy
-// that forces do not change its motion (two driven ones exert no forces on each other). Friction is
-// k_s times the path of the surfaces on each other; their arms r - delta / 2 shorten meanwhile.
-// With the arms of half a step before, the sum over the steps is that path to rounding:
-//   path(t) = w (2 r t - delta_0 t - u t^2 / 2).
-// With those of the step itself the error would be u dt / (4 r) = 2.5e-5 here.
+// Two bodies approach at a constant speed and rub without slip, since one is driven. Friction is
+// k_s times the path of the surfaces on each other, whose arms shorten meanwhile.
+struct Rub {
+  static constexpr double spin = 30, closing = 0.2, first_overlap = 1e-5, step = 5e-6;
+  static constexpr double relative = 1e-11;  // rounding of positions, 1e-18 m, in each of 400 steps
+
+  static dem::ContactLaw law() {
+    dem::ContactLaw sticking;
+    sticking.k_n = 1e6, sticking.k_s = 1e5, sticking.friction = 1e6;
+    return sticking;
+  }
+  // m, up to the time t, of `arms` arms r that are shorter by the overlap in all.
+  static double path(double t, double arms) {
+    return spin * (arms * r * t - first_overlap * t - closing * t * t / 2);
+  }
+  // N, in 400 steps.
+  static double friction(double arms) {
+    return law().k_s * (path(500 * step, arms) - path(100 * step, arms));
+  }
+  // What the force on the first particle gains in the same steps, N.
+  static Vec3 gain(dem::Particles& particles) {
+    const auto force_after = [&](int steps) {
+      particles.advance(steps * step, steps);
+      EXPECT_EQ(particles.trouble(), "");
+      return views_of(particles).at(0).force;
+    };
+    const Vec3 early = force_after(100);
+    return force_after(400) - early;
+  }
+};
+
+// Both balls rotate the same way; one is driven, the other so heavy that forces do not change its
+// motion (two driven ones exert no forces on each other). The arms are r - delta / 2: with those of
+// half a step before, the sum over the steps is the path to rounding; with those of the step itself
+// the error would be u dt / (4 r) = 2.5e-5 here.
 TEST(Held, BallsThatApproachRubByTheExactPath) {
-  constexpr double w = 30, u = 0.2, first_overlap = 1e-5, step = 5e-6;  // rad/s, m/s, m, s
-  dem::ContactLaw sticking;
-  sticking.k_n = 1e6, sticking.k_s = 1e5, sticking.friction = 1e6;
-  const double x = r - 0.5 * first_overlap;
-  std::vector<dem::NewParticle> all{sphere_at(0, {-x, 0, 0}, {0.5 * u, 0, 0}),
-                                    sphere_at(1, {x, 0, 0}, {-0.5 * u, 0, 0})};
-  for (dem::NewParticle& p : all) p.spin = {0, 0, w};
+  const double x = r - 0.5 * Rub::first_overlap;
+  std::vector<dem::NewParticle> all{sphere_at(0, {-x, 0, 0}, {0.5 * Rub::closing, 0, 0}),
+                                    sphere_at(1, {x, 0, 0}, {-0.5 * Rub::closing, 0, 0})};
+  for (dem::NewParticle& p : all) p.spin = {0, 0, Rub::spin};
   all[0].held = true;
   dem::Parameters weightless;
   weightless.gravity = 0;
-  dem::Particles particles(par::Comm::self(), test::one_material(sticking, 1e18), weightless,
+  dem::Particles particles(par::Comm::self(), test::one_material(Rub::law(), 1e18), weightless,
                            test::box({-0.3, -0.3, -0.3}, {0.3, 0.3, 0.3}));
   particles.add_template(test::clump());
   particles.add_template(test::sphere());
   particles.add(all);
-  const auto after = [&](int steps) {
-    particles.advance(steps * step, steps);
-    EXPECT_EQ(particles.trouble(), "");
-    return views_of(particles).at(0);
-  };
-  const auto path = [&](double t) { return w * (2 * r * t - first_overlap * t - u * t * t / 2); };
-  const dem::ParticleView early = after(100), late = after(400);
-  const double expected = sticking.k_s * (path(500 * step) - path(100 * step));
-  constexpr double relative = 1e-11;  // rounding of positions, 1e-18 m, in each of 400 steps
-  EXPECT_NEAR(late.force.y() - early.force.y(), -expected, relative * expected);
+  const double expected = Rub::friction(2);
+  EXPECT_NEAR(Rub::gain(particles).y(), -expected, Rub::relative * expected);
 }
 
-// The same for a driven ball that is moved into a floor at rest: the arm is r - delta.
+// A driven ball that is moved into a floor at rest: the arm is r - delta.
 TEST(Held, ABallThatApproachesAFloorRubsByTheExactPath) {
-  constexpr double w = 30, u = 0.2, first_overlap = 1e-5, step = 5e-6;  // rad/s, m/s, m, s
-  dem::ContactLaw sticking;
-  sticking.k_n = 1e6, sticking.k_s = 1e5, sticking.friction = 1e6;
-  std::vector<dem::NewParticle> all{sphere_at(0, {0.001, 0.002, r - first_overlap}, {0, 0, -u})};
-  all[0].held = true, all[0].spin = {0, w, 0};
-  dem::Particles particles = scene_of(par::Comm::self(), all, sticking);
+  std::vector<dem::NewParticle> all{
+      sphere_at(0, {0.001, 0.002, r - Rub::first_overlap}, {0, 0, -Rub::closing})};
+  all[0].held = true, all[0].spin = {0, Rub::spin, 0};
+  dem::Particles particles = scene_of(par::Comm::self(), all, Rub::law());
   Surface floor = test::floor_of(1, 0.1);
   particles.set_surfaces({&floor});
-  const auto after = [&](int steps) {
-    particles.advance(steps * step, steps);
-    EXPECT_EQ(particles.trouble(), "");
-    return views_of(particles).at(0);
-  };
-  const auto path = [&](double t) { return w * (r * t - first_overlap * t - u * t * t / 2); };
-  const dem::ParticleView early = after(100), late = after(400);
-  const double expected = sticking.k_s * (path(500 * step) - path(100 * step));
-  constexpr double relative = 1e-11;  // as above
-  EXPECT_NEAR(late.force.x() - early.force.x(), expected, relative * expected);
+  const double expected = Rub::friction(1);
+  EXPECT_NEAR(Rub::gain(particles).x(), expected, Rub::relative * expected);
 }
 
 TEST(Held, StaysDrivenWhenOthersAreStopped) {
