@@ -57,12 +57,12 @@ def main():
     deck = with_layer(sys.argv[2], folder)
     reported = program.done(1, "check", deck, *SMALL).stdout
     expected = {layer: (int(made), int(left)) for layer, made, left in re.findall(
-        r"(sub_ballast|uppermost layer): (\d+) stones are poured; about (\d+) of them remain",
+        r"layer (sub_ballast|of \[bed\]): (\d+) stones are poured; about (\d+) of them remain",
         reported)}
     program.done(2, "run", deck, *SMALL, "--force", "-o", folder / "run")
     stones = {stage["name"]: stage["particles"] for stage in summary(folder / "run")["stages"]}
     wrong = []
-    lower, upper = expected["sub_ballast"][0], expected["uppermost layer"][0]
+    lower, upper = expected["sub_ballast"][0], expected["of [bed]"][0]
     if stones["sub_ballast"] != lower or stones["fill"] != lower + upper:
         wrong.append(f"{stones} stones, forecast of check {expected}")
     left = sum(pair[1] for pair in expected.values())

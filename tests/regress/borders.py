@@ -58,7 +58,8 @@ WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as 
               "last.csv: the ground moves for at most 0.3 s; by then only 8.3 % of the wave's "
               "energy has",
           "ground.base_motion={folder}/near.csv ground.layer.soil.young=1e5":
-              "near.csv: the ground moves for at most 0.3 s; the wave has arrived after 0.277 s",
+              "near.csv: the ground moves for at most 0.3 s; the wave has entered at the base "
+              "after 0.277 s",
           f"{SOFT} ground.elements_z=3 ground.base_motion={{folder}}/upwards.csv":
               "ground.elements_z: elements 0.2 m high in layer \"soil\" do not resolve the wave of "
               "base_motion (vz_m_s): 95 % of",

@@ -288,7 +288,7 @@ def check_loads(program, deck, folder):
                        ("0,0\n0.01,4e3\n1,4e3\n", False)):
         table.write_text("time_s,force_N\n" + rows, encoding="utf-8")
         ran = program.done(1, "check", deck, "load.kind=table", f"load.file={table.resolve()}")
-        words = ('stage "passage": the load of the first sleeper drops from 4000 N (last row) '
+        words = ('stage "passage": the load of a sleeper drops from 4000 N (last row) '
                  'to 0')
         expect((words in ran.stdout) == warned, f"{rows}: warned or not", ran)
 

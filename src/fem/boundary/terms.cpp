@@ -207,7 +207,7 @@ double critical_step(const Mesh& mesh, const GroundParameters& parameters,
     const Vec3& size = mesh.solids.size[at / 2];
     limit = fmt::format("elements of {}{} ({:.4g} x {:.4g} x {:.4g} m)", mesh.solids.name[at / 2],
                         at % 2 == 1 ? " on base springs" : "", size.x(), size.y(), size.z());
-    if (z > 0.1) limit += "; the step is already reduced by rayleigh_stiffness";
+    if (z > 0.1) limit += "; this step includes the reduction by rayleigh_stiffness";
   }
   return shortest;
 }

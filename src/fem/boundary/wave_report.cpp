@@ -69,12 +69,12 @@ std::string cut_off(const GroundParameters& p, const BaseMotion& wave, Dimension
   if (come < (1 - noticed) * all)
     return fmt::format(
         "the ground moves for at most {:g} s; by then only {:.2g} % of the wave's energy has "
-        "arrived, and the rest is cut off; run longer",
+        "entered at the base, and the rest is cut off; run longer",
         time, 100 * come / all);
   if (last + way <= time) return {};
   return fmt::format(
-      "the ground moves for at most {:g} s; the wave has arrived after {:.3g} s and takes {:.3g} s "
-      "more to the top and down again, so that it is cut off; run longer",
+      "the ground moves for at most {:g} s; the wave has entered at the base after {:.3g} s and "
+      "takes {:.3g} s more to the top and back to the base, so that it is cut off; run longer",
       time, last, way);
 }
 

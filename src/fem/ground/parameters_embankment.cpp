@@ -90,8 +90,8 @@ void declare_section_height(const GroundParameters& p, std::size_t number, Secti
       fmt::format("section[{}].height", number), *thin > same_place,
       fmt::format(
           "gives layer[{1}] (\"{2}\") a thickness of {0:g} m, which must be above 0; give a height "
-          "closer to the sum of the embankment layers, or a thicker layer (the difference is added "
-          "to the lowest embankment layer and subtracted from the lowest natural layer)",
+          "closer to the sum of the embankment layers, or a thicker layer (height minus this sum "
+          "is added to the lowest embankment layer and subtracted from the lowest natural layer)",
           *thin, layer, p.layers[layer].name),
       of_shape);
 }

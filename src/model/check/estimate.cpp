@@ -103,7 +103,7 @@ std::string sentence_of(const LayerForecast& layer) {
   return fmt::format(
       "  {}: {} stones are poured; about {} of them remain below the profile and beside the "
       "sleepers",
-      layer.layer.empty() ? "uppermost layer" : "layer " + layer.layer, layer.made, layer.left);
+      layer.layer.empty() ? "layer of [bed]" : "layer " + layer.layer, layer.made, layer.left);
 }
 
 // MB of the histories if all stages take their full duration.

@@ -63,8 +63,8 @@ void Stage::declare_course(input::Section& s) {
        .at_least = positive ? -input::unbounded : 0,
        .usually_to = 100},
       "Longest simulated time of the stage, above 0 in all kinds but passage and tamp; passage: "
-      "time of all trains together, or 0: until the last axle has left (required for several "
-      "trains with train = true); tamp: must be 0, since its times are those of [tamping].");
+      "time of all trains together, or 0: until the last axle has left (several trains with train "
+      "= true: must be 0); tamp: must be 0, since its times are those of [tamping].");
   s.number("growth", growth, {.unit = "s", .at_least = 0, .usually_to = 10},
            "Time in which stones grow in place from a small initial size to their full size "
            "(fill); 0: stones of full size are dropped.");
@@ -215,8 +215,9 @@ void Output::declare(input::Section& s) {
   s.rule("fields_interval", fields_interval == 0 || fields, "has no effect without fields = true",
          {.severity = input::Severity::warning, .reads = {"fields", "fields_interval"}});
   s.flag("ground_extremes", ground_extremes,
-         "Whether the ground's fields include the smallest and largest stresses of each element at "
-         "all history rows and fields of a stage in which the ground moves. If a resume within a "
+         "Whether the ground's fields include the smallest and largest stresses of each element up "
+         "to then, sampled at the history rows and fields of a stage in which the ground moves. If "
+         "a resume within a "
          "stage switches this on, earlier times are not included. Needs fields = true.");
   s.rule("ground_extremes", !ground_extremes || fields, "has no effect without fields = true",
          {.severity = input::Severity::warning, .reads = {"fields", "ground_extremes"}});

@@ -256,7 +256,7 @@ void declare_oddities(const Model& model, input::Section& s) {
     const Stage& stage = model.stages[i];
     const bool seated = stage.kind == StageKind::load || stage.kind == StageKind::passage;
     s.rule(fmt::format("stage[{}].seat_force", i), !seated || before == 0 || stage.seat_force != 0,
-           fmt::format("the {:g} N of the preceding stage are removed from all rail seats; give "
+           fmt::format("the {:g} N of an earlier stage do not act on the rail seats; give "
                        "seat_force here too if they are to remain",
                        before),
            {.severity = input::Severity::warning, .reads = {"stage"}});

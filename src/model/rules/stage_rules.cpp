@@ -111,7 +111,8 @@ void declare_uses_of_stages(const Model& model, input::Section& s) {
          {fill, settle, compact, release, sleepers, cribs, run, lift_walls, tamp},
          "all kinds of stages except load, passage, shear and triaxial");
     only("seat_force", stage.seat_force != none.seat_force,
-         {sleepers, cribs, load, passage, run, settle}, "stages with sleepers");
+         {sleepers, cribs, load, passage, run, settle},
+         "stages of kind sleepers, cribs, load, passage, run and settle");
   }
 }
 

@@ -166,7 +166,7 @@ void declare_forces(const TrackModel& model, input::Section& s) {
             .reads = {"force", "passage.duration", "train", "vehicle", "track"}});
   }
   s.rule("force", !model.on_bed || model.passage.forces.empty(),
-         "is for a track alone (model = \"track\")", {.reads = {"force", "model"}});
+         "is for a track alone or on a ground, not for a bed", {.reads = {"force", "model"}});
   s.rule("passage.duration",
          !model.train.vehicles.empty() || model.passage.duration > 0 || by_seats(model),
          "must be above 0 s without vehicles",
@@ -337,9 +337,9 @@ void TrackModel::declare(input::Section& s) {
           "Pads below the sleepers of a track alone or on a ground.");
   declare_train_and_contact(s);
   s.tables("force", passage.forces,
-           "A force on the rail of a track alone, in addition to a train.");
+           "A force on the rail of a track alone or on a ground, in addition to a train.");
   s.table("passage", passage,
-          "The run of a track alone; on a bed only step and tolerance are used.");
+          "The run of a track alone or on a ground; on a bed only step and tolerance are used.");
   declare_size(*this, s);
   declare_vehicles(*this, s);
   declare_unused_vehicles(*this, s);

@@ -64,9 +64,9 @@ void BallastParameters::declare(input::Section& s) {
            "Stiffness of the ballast below one rail seat.");
   s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e7},
            "Damping of the ballast below one rail seat.");
-  s.number(
-      "mass", mass, {.unit = "kg", .at_least = 0, .usually_to = 5000},
-      "Vibrating mass of the ballast below one rail seat; 0: massless ballast on rigid ground.");
+  s.number("mass", mass, {.unit = "kg", .at_least = 0, .usually_to = 5000},
+           "Vibrating mass of the ballast below one rail seat; 0: massless ballast without a "
+           "second spring.");
   s.number("below_stiffness", below_stiffness, {.unit = "N/m", .above = 0},
            "Stiffness of the spring below the ballast mass.");
   s.number("below_damping", below_damping, {.unit = "N s/m", .at_least = 0},

@@ -109,12 +109,12 @@ std::vector<std::string> SeatLoad::jumps(double first_x, double last_x, double t
   std::vector<std::string> found;
   if (std::abs(first) > unnoticed * std::abs(largest) && begin > 0 && begin < time)
     found.push_back(
-        fmt::format("the load of the last sleeper jumps from 0 to {:g} N (first row) at {:g} s; "
+        fmt::format("the load of a sleeper jumps from 0 to {:g} N (first row) at {:g} s; "
                     "let the table begin with 0",
                     first, begin));
   if (std::abs(last) > unnoticed * std::abs(largest) && end < (1 - 1e-9) * time)
     found.push_back(
-        fmt::format("the load of the first sleeper drops from {:g} N (last row) to 0 at {:g} s; "
+        fmt::format("the load of a sleeper drops from {:g} N (last row) to 0 at {:g} s; "
                     "let the last row be 0, or, if the duration is given, let the table reach to "
                     "the end of the passage ({:g} s)",
                     last, end, time));

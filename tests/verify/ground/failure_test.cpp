@@ -74,6 +74,14 @@ class Sample {
     return 1e-3 * std::abs(travel) / 2000;
   }
   const Vec3& strain() const { return strain_; }
+  // Strain without its elastic part, which Hooke's law gives from the stress.
+  Vec3 plastic_strain() const {
+    const Vec3 normal = stress().head<3>();
+    const Vec3 elastic =
+        ((1 + solid_.poisson) * normal.array() - solid_.poisson * normal.sum()) / solid_.young;
+    return strain_ - elastic;
+  }
+  double equivalent_plastic_strain() const { return plasticity_.equivalent_strain(0); }
 
  private:
   static GroundParameters one_element(const Elastic& solid, const Strength& strength) {
@@ -142,6 +150,13 @@ TEST_P(Failure, DilatesByItsAngle) {
   verified::near(
       "volume over axial strain", "-", more.sum() / more.z(), exact,
       {1e-6, "both states yield with the same elastic strain: exact but for the lag's decay"});
+  // The measure is of the deviator: the strain that dilates is not part of it.
+  Vec3 deviator = sample.plastic_strain();
+  EXPECT_GT(deviator.sum(), 1e-3);
+  deviator.array() -= deviator.mean();
+  const double equivalent = std::sqrt(2.0 / 3) * deviator.norm();
+  constexpr double rounding = 1e-10;  // of 4000 increments, relative
+  EXPECT_NEAR(sample.equivalent_plastic_strain(), equivalent, rounding * equivalent);
 }
 
 // Weight alone: with nu 0.1 the elastic K0 is below the active pressure, so the whole column yields
