@@ -82,6 +82,7 @@ void declare_order(const Model& model, input::Section& s) {
 void declare_uses_of_stages(const Model& model, input::Section& s) {
   using enum StageKind;
   const Stage none;
+  bool placed = !model.start.empty();  // sleepers
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     const Stage& stage = model.stages[i];
     const auto only = [&](const char* name, bool given, std::initializer_list<StageKind> kinds,
@@ -110,9 +111,12 @@ void declare_uses_of_stages(const Model& model, input::Section& s) {
     only("until_ratio", stage.until_ratio != none.until_ratio,
          {fill, settle, compact, release, sleepers, cribs, run, lift_walls, tamp},
          "all kinds of stages except load, passage, shear and triaxial");
-    only("seat_force", stage.seat_force != none.seat_force,
-         {sleepers, cribs, load, passage, run, settle},
-         "stages of kind sleepers, cribs, load, passage, run and settle");
+    placed = placed || stage.kind == sleepers;
+    s.rule(fmt::format("stage[{}].seat_force", i),
+           stage.seat_force == none.seat_force || (placed && stage.kind != tamp),
+           "has no effect: it acts on sleepers that are placed in this stage or before, and not "
+           "while they are lifted (stages of kind tamp)",
+           {.severity = input::Severity::warning, .reads = {"stage", "start"}});
   }
 }
 
