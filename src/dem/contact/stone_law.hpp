@@ -22,6 +22,7 @@ struct StoneTouch {
   Triple<Real> vi, vj, wi, wj;  // m/s, rad/s
   Real M, spread;               // m, m^2
   Real root_mass, radius;       // radius: m, of the two curvatures together
+  Real over_i, over_j;          // 1/(kg m2), over the least principal moments; 0: does not yield
   Real drift;                   // m/s, of features of j along N relative to its motion at x
   Springs<Real> law;
   Rolling<Real> rolling;
@@ -46,11 +47,16 @@ struct StoneForce {
 // force, and the torque about its own centre. f_n is the spring's force on M, N; the normal force
 // is f_n |N|, since |N| may exceed 1 (several features) or be less (features with opposite
 // normals); it limits friction and torsion. Advances the history by dt.
-template <bool rolls, class Real>
-[[gnu::always_inline]] inline StoneForce<Real> respond(const StoneTouch<Real>& g, double dt,
+//
+// A unit force on M changes its rate by N . N / m_eff + T . I_i^-1 T + S . I_j^-1 S per second: the
+// inverse mass at the ends of the contact, which for a corner far from the centre is several times
+// 1/m_eff. `yielding(S, may_end)` gives its last two terms, 1/kg, for contacts that may end.
+template <bool rolls, class Real, class Yielding>
+[[gnu::always_inline]] inline StoneForce<Real> respond(const StoneTouch<Real>& g,
+                                                       const Yielding& yielding, double dt,
                                                        StoneStretch<Real>& h) {
   const Triple<Real> S = g.T - cross(g.d, g.N);  // T about the centre of j
-  const Real length = root(dot(g.N, g.N));
+  const Real square = dot(g.N, g.N), length = root(square);
   const Triple<Real> n = (1.0 / larger(length, Real{} + 1e-300)) * g.N;
   const Triple<Real> arm_j = g.x - g.d, u = g.vi - g.vj;
   const Real rate = dot(u, g.N) + dot(g.wi, g.T) - dot(g.wj, S) - g.drift;  // of M
@@ -60,8 +66,19 @@ template <bool rolls, class Real>
   Springs<Real> law = g.law;
   law.mu = law.mu * length;
   const auto c = coefficients<true>(law, g.M, g.root_mass, g.radius);
-  const NormalSpring<Real> spring =
-      spring_force<true>(law, c, OverlapMotion<Real>{g.M, rate}, g.root_mass, g.radius, dt);
+  const Real mass = g.root_mass * g.root_mass, tiny = Real{} + 1e-300;
+  const Real over = square / larger(mass, tiny);
+  const Real most = over + dot(g.T, g.T) * g.over_i + dot(S, S) * g.over_j;
+  constexpr double below = 0.999;  // also after rounding
+  const Real least = below / larger(most, tiny);
+  const auto exact = [&](auto may_end) {
+    return select(may_end, 1.0 / larger(over + yielding(S, may_end), tiny), least);
+  };
+  // Pairs out of contact have no end: their force is not used.
+  const OverlapMotion<Real> motion{select(g.M > 0, g.M, Real{} - 1.0), rate};
+  NormalSpring<Real> spring = spring_force<true>(
+      law, c, motion, EndMass<Real, decltype(exact)>{least, exact}, g.radius, dt);
+  spring.mass = mass;
   const Real remains = kept(h.size, c.size);
   const Touch<Real> touch{n, v, g.M, 0.5 * dot(g.wi + g.wj, n)};
   const auto contact = contact_force(c, touch, spring, remains, dt, h.xi);

@@ -120,6 +120,20 @@ struct OverlapMotion {
   Real delta, rate, turning{};
 };
 
+// Mass by which the force of a spring changes the rate of its overlap, kg: a lower bound, and
+// `exact(may_end)`, which is called if a contact may open or close, for those that may.
+template <class Real, class Exact>
+struct EndMass {
+  Real least;
+  Exact exact;
+};
+// Of bodies that the force does not rotate, or whose mass is known.
+template <class Real>
+[[gnu::always_inline]] inline auto end_mass(Real mass) {
+  const auto exact = [mass](auto) { return mass; };
+  return EndMass<Real, decltype(exact)>{mass, exact};
+}
+
 // The normal spring's force.
 //
 // In each step velocity Verlet adds the work (F_0 + F_1)/2 (x_1 - x_0) to the kinetic energy. For a
@@ -143,32 +157,35 @@ struct OverlapMotion {
 // ends round numbers in decks do not reach.
 inline constexpr double edge = 1e-5;
 
-template <bool any_hertz, class Real>
+template <bool any_hertz, class Real, class Exact>
 [[gnu::always_inline]] inline NormalSpring<Real> spring_force(const Springs<Real>& spring,
                                                               const Coefficients<Real>& c,
                                                               const OverlapMotion<Real>& motion,
-                                                              Real root_mass, Real radius,
-                                                              double dt) {
+                                                              const EndMass<Real, Exact>& masses,
+                                                              Real radius, double dt) {
   const Real delta = motion.delta, rate = motion.rate, turning = motion.turning;
   const Real force = c.k_n * delta;
-  const Real s = larger(rate, -rate) * dt, mass = root_mass * root_mass;
+  const Real s = larger(rate, -rate) * dt;
   const auto closes = rate > 0;
   // Whether the overlap is below `part` of the travel of a step. Of eight near pairs, many are not
   // in contact: they need no correction.
-  const auto ends = [&](double part, const Real& travel) {
+  const auto ends = [&](double part, const Real& travel, const Real& mass) {
     const Real from_end = delta - part * travel;
     const auto opens = (rate <= 0) & (from_end * mass < (part * dt * dt) * force);
     return (delta >= 0) & (opens | (closes & (from_end < 0)));
   };
   Real is_linear = Real{} + 1.0;
   if constexpr (any_hertz) is_linear = select(spring.hertz > 0, Real{}, is_linear);
-  if (!any(ends(any_hertz ? 1 + edge : 1, s + turning))) return {force, is_linear, mass};
+  const auto may_end = ends(any_hertz ? 1 + edge : 1, s + turning, masses.least);
+  if (!any(may_end)) return {force, is_linear, masses.least};
+  const Real mass = masses.exact(may_end);
   const Real some_mass = larger(mass, Real{} + 1e-300);
   const Real b = (dt * dt) * c.k_n / some_mass;
   const Real area = delta * larger(delta + s - turning, Real{}), sum = 2.0 * s + b * delta;
   const Real closing = 2.0 * area / (sum + root(larger(sum * sum - 4.0 * b * area, Real{})));
   const Real opening = area / larger(s + root(s * s + b * area), Real{} + 1e-300);
-  const Real linear = select(ends(1, s + turning), c.k_n * select(closes, closing, opening), force);
+  const Real linear =
+      select(ends(1, s + turning, mass), c.k_n * select(closes, closing, opening), force);
   if constexpr (any_hertz) {
     const Real travel = larger(select(closes, s, s + b * delta), Real{} + 1e-300);
     const Real theta = smaller(delta / travel, Real{} + (1 + edge));
@@ -176,7 +193,7 @@ template <bool any_hertz, class Real>
     // Far below 1 in every step that is stable.
     const Real e = smaller((dt * dt) * stiffness / some_mass, Real{} + 1.0);
     const Real onset = stiffness * travel * hertz_onset(theta, e, closes);
-    const Real hertz = select(ends(1 + edge, s) & (theta > edge), onset, force);
+    const Real hertz = select(ends(1 + edge, s, mass) & (theta > edge), onset, force);
     return {select(spring.hertz > 0, hertz, linear), is_linear, mass};
   } else {
     return {linear, is_linear, mass};

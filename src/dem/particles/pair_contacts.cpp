@@ -115,8 +115,9 @@ template <bool spheres, bool hertz, bool rolls>
   const Lanes turning = (0.5 * dt * dt) * inverse * larger(dot(u, u) - rate * rate, Lanes{});
   v = v + (0.25 * dt) * rate * cross(wi + wj, n);
   const Touch<Lanes> touch{n, v, delta, 0.5 * dot(wi + wj, n)};
-  const NormalSpring<Lanes> spring = spring_force<hertz>(
-      laws.springs, c, OverlapMotion<Lanes>{delta, rate, turning}, b.root_mass, radius, dt);
+  const NormalSpring<Lanes> spring =
+      spring_force<hertz>(laws.springs, c, OverlapMotion<Lanes>{delta, rate, turning},
+                          end_mass(b.root_mass * b.root_mass), radius, dt);
   const Lanes remains = hertz ? kept(*size, c.size) : all(1);
   const auto contact = contact_force(c, touch, spring, remains, dt, b.xi);
   const Lanes3 none{};

@@ -80,18 +80,17 @@ void Particles::Impl::add_to_node(Surface& surface, int triangle, std::size_t k,
   action.work += force.dot(surface.motion[static_cast<std::size_t>(node)]) / step.count;
 }
 
-// Effective mass for a force along n at this arm from the centre of mass, kg: a force that does not
-// go through the centre rotates the particle as well,
-//   1/m_eff = 1/m + (arm x n) . I^-1 (arm x n).
-double Particles::Impl::mass_at(std::size_t b, const Vec3& arm, const Vec3& n) const {
-  const Vec3 lever = arm.cross(n);
+// A force f with the torque f T about the centre of mass rotates the particle as well: the velocity
+// at which it does work grows by f (N . N / m + T . I^-1 T) per second. This is the last term,
+// 1/kg.
+double Particles::Impl::turning_by(std::size_t b, const Vec3& lever) const {
   const Vec3 moments = state.inertia[b].vec3();
   double turning = lever.y() * lever.y() / moments.y();
   if (domain.dimension == Dimension::space) {
     const Vec3 body = quat(state.q[b]).conjugate() * lever;
     turning = body.dot(body.cwiseQuotient(moments));
   }
-  return 1 / (1 / mass(b) + turning);
+  return turning;
 }
 
 // Force and torque of one contact of a ball on its particle, the opposite on the surface.
@@ -122,9 +121,11 @@ void Particles::Impl::apply_ball_contact(Approach& a, const MeshContact& c, cons
   const auto k = coefficients<true>(law, touch.delta, root_mass, piece.w);
   // The corrections at the ends of a contact need the speed that a force changes in a step; the
   // damper's mass is part of the law.
-  const double end_mass = shapes.only_spheres() ? root_mass : std::sqrt(mass_at(b, arm, c.normal));
+  const double mass_at_end = shapes.only_spheres()
+                                 ? root_mass * root_mass
+                                 : 1 / (1 / mass(b) + turning_by(b, arm.cross(c.normal)));
   const NormalSpring<double> spring = spring_force<true>(
-      law, k, OverlapMotion<double>{touch.delta, rate}, end_mass, piece.w, step.dt);
+      law, k, OverlapMotion<double>{touch.delta, rate}, end_mass(mass_at_end), piece.w, step.dt);
   const double remains = kept(patch.size, k.size);
   Triple<double> xi = triple(patch.xi.vec3());
   const auto contact = contact_force(k, touch, spring, remains, step.dt, xi);
@@ -252,9 +253,12 @@ double Particles::Impl::apply_patch_contact(Approach& a, std::span<const MeshCon
   g.vj = triple(motion / step.dt);
   g.drift = (closing - motion.dot(w.N)) / step.dt;
   g.root_mass = std::sqrt(mass(b)), g.radius = rounding;
+  const Vec4& moments = state.inertia[b];
+  g.over_i = 1 / std::min({moments.x, moments.y, moments.z}), g.over_j = 0;
   g.law = laws[static_cast<std::size_t>(a.law)].springs;
   StoneStretch<double> h{triple(patch.xi.vec3()), {}, patch.turn, patch.size, patch.ring};
-  const StoneForce<double> f = respond<false>(g, step.dt, h);
+  const auto yielding = [&](const Triple<double>&, bool) { return turning_by(b, w.T); };
+  const StoneForce<double> f = respond<false>(g, yielding, step.dt, h);
   const double remains = kept(patch.size, h.size);
   patch.xi.set(vec3(h.xi)), patch.turn = h.turn, patch.size = h.size, patch.ring = h.ring;
   // Plain numbers, as in mesh.cpp.

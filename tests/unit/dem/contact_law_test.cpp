@@ -127,7 +127,7 @@ TEST(ContactLaw, AHertzSpringIsInCompressionAtItsEnds) {
       for (double delta = 1e-12; delta < s; delta += 0.01 * s) {
         const auto c = coefficients<true>(spring, delta, std::sqrt(mass), radius);
         const double force = spring_force<true>(spring, c, OverlapMotion<double>{delta, rate},
-                                                std::sqrt(mass), radius, dt)
+                                                end_mass(mass), radius, dt)
                                  .force;
         const double travel = s + (rate < 0 ? dt * dt * c.k_n * delta / mass : 0.0);
         const double deep = 2 * travel * std::sqrt(radius * 2 * travel) * spring.k_n;

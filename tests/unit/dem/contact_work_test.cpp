@@ -137,8 +137,8 @@ template <class Real>
 Response<Real> respond(const Move<Real>& m, double dt, Contact<Real>& h) {
   const Real weight = Real{} + root_mass, moved = Real{} + heavy, r = Real{} + radius;
   const auto c = coefficients<true>(m.springs, m.delta, weight, r);
-  const NormalSpring<Real> spring =
-      spring_force<true>(m.springs, c, OverlapMotion<Real>{m.delta, m.rate}, moved, r, dt);
+  const NormalSpring<Real> spring = spring_force<true>(
+      m.springs, c, OverlapMotion<Real>{m.delta, m.rate}, end_mass(moved * moved), r, dt);
   const Touch<Real> touch{m.n, m.sliding + m.rate * m.n, m.delta, m.turning};
   const Real remains = kept(h.size, c.size), ring = c.size * m.spread;
   const auto contact = contact_force(c, touch, spring, remains, dt, h.xi);
