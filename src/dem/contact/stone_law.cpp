@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "dem/lanes/rows.hpp"
-#include "dem/state/rotation.hpp"
 
 namespace trackbed::dem {
 

@@ -110,4 +110,20 @@ struct alignas(64) Lane3 {
   }
 };
 
+// v turned by the unit quaternion (u, w): v + 2 w u x v + 2 u x (u x v).
+template <class Real>
+[[gnu::always_inline]] inline Triple<Real> turned(const Triple<Real>& u, Real w,
+                                                  const Triple<Real>& v) {
+  Triple<Real> uv = cross(u, v);
+  uv = {uv.x + uv.x, uv.y + uv.y, uv.z + uv.z};
+  const Triple<Real> uuv = cross(u, uv);
+  return {v.x + w * uv.x + uuv.x, v.y + w * uv.y + uuv.y, v.z + w * uv.z + uuv.z};
+}
+
+// From space to the axes of a body with the attitude q (x y z w): by the conjugate.
+template <class Real>
+[[gnu::always_inline]] inline Triple<Real> to_body(const Real (&q)[4], const Triple<Real>& v) {
+  return turned(Triple<Real>{-q[0], -q[1], -q[2]}, q[3], v);
+}
+
 }  // namespace trackbed::dem

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "dem/contact/stone_law.hpp"
 #include "dem/law/laws.hpp"
 #include "support/scene.hpp"
 #include "trackbed/dem/stiffness.hpp"
@@ -22,6 +23,27 @@ Stretch force(const Coefficients<double>& c, const Stretch& v, double delta, dou
   const auto contact =
       contact_force(c, touch, NormalSpring<double>{c.k_n * delta, 0, 0}, 1.0, dt, xi);
   return contact.friction - contact.normal * touch.n;
+}
+
+// Two stones, one upon the other, rotate about their common normal at different rates.
+TEST(ContactLaw, AStretchTurnsWithTheMeanSpinOfTwoStones) {
+  const double dt = 1e-4, first = 1e-7;
+  const auto stretch = [&](double spin_i, double spin_j) {
+    StoneTouch<double> g{};
+    g.d = {0, 0, 0.02}, g.N = {0, 0, 1}, g.x = {0, 0, 0.01}, g.M = 1e-6;
+    g.wi = {0, 0, spin_i}, g.wj = {0, 0, spin_j};
+    g.root_mass = 0.1, g.radius = 1e-3;
+    g.law = {.k_n = 1e6, .k_s = 8e5, .mu = 1};
+    StoneStretch<double> h{{first, 0, 0}, {}, 0, 1, 0};
+    respond<false>(
+        g, [](const Stretch&, bool) { return 0.0; }, dt, h);
+    return h.xi;
+  };
+  constexpr double second_order = 1e-5;  // square of the turn of a step
+  for (const auto& [i, j] : {std::pair(30.0, 10.0), {10.0, 30.0}, {-20.0, 20.0}}) {
+    const double turn = 0.5 * (i + j) * dt;
+    EXPECT_NEAR(stretch(i, j).y, turn * first, second_order * first) << i << " " << j;
+  }
 }
 
 TEST(ContactLaw, HistoryTurnsWithThePair) {

@@ -80,6 +80,26 @@ TEST(Rolling, ASphereStopsWhereTheMomentHasUsedItsEnergy) {
   EXPECT_EQ(scene.x_after(0.5), x) << "it creeps";
 }
 
+// The contact of a ball with a floor rotates with half its spin about the normal, and the
+// displacement of rolling with it: roll = R w_y times the integral of the direction, which has
+// turned by the angle a.
+TEST(Rolling, ADisplacementOfRollingTurnsWithHalfTheSpin) {
+  constexpr double w_y = 1, w_z = 50, time = 0.02;
+  dem::ContactLaw law = rolling(1e3);
+  law.friction = 0, law.zeta_r = 0;
+  dem::NewParticle one = at_rest(0);
+  one.position.z() -= 1e-4;
+  one.held = true, one.spin = {0, w_y, w_z};
+  Slope scene(law, test::sphere(r), one);
+  scene.x_after(time);
+  const double a = 0.5 * w_z * time;
+  const Vec3 torque = scene.p[0].torque;
+  const double size = 0.5 * law.k_n * r * r * w_y / (0.5 * w_z);  // k R^2 w_y over the rate of a
+  constexpr double margin = 2e-3;                                 // half a step of 1000
+  EXPECT_NEAR(torque.y(), -size * std::sin(a), margin * size);
+  EXPECT_NEAR(torque.x(), size * (1 - std::cos(a)), margin * size);
+}
+
 TEST(Rolling, ASphereRestsOnASlopeBelowTheLimitWithoutCreep) {
   Slope scene(rolling(), test::sphere(r), at_rest(0.9 * mu_r), 0.9 * mu_r);
   const double early = scene.x_after(1), late = scene.x_after(20);
