@@ -23,9 +23,9 @@ double stable_step(const Physics& physics, const Parameters& parameters, double 
 // require a smaller step than one spring. The least of all linear laws; infinite without any.
 double steady_safety(const Physics& physics);
 
-// The largest `safety` with which friction dampers of balls are stable while the contact sticks;
-// above it friction changes its sign in each step. The least of all linear laws; infinite without
-// any.
+// The largest `safety` with which the tangential dashpots of spheres are stable while the contact
+// sticks; above it the tangential force changes its sign in each step. The least of all linear
+// laws; infinite without any.
 double steady_friction(const Physics& physics);
 
 }  // namespace trackbed::dem

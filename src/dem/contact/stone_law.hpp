@@ -78,6 +78,8 @@ template <bool rolls, class Real, class Yielding>
   const OverlapMotion<Real> motion{select(g.M > 0, g.M, Real{} - 1.0), rate};
   NormalSpring<Real> spring = spring_force<true>(
       law, c, motion, EndMass<Real, decltype(exact)>{least, exact}, g.radius, dt);
+  // For the prediction of the next force, whether this contact may end or not: the other lanes must
+  // not affect it.
   spring.mass = mass;
   const Real remains = kept(h.size, c.size);
   const Touch<Real> touch{n, v, g.M, 0.5 * dot(g.wi + g.wj, n)};
