@@ -7,6 +7,7 @@
 
 #include "dem/lanes/rows.hpp"
 #include "dem/shape/feature_kernels.hpp"
+#include "dem/state/rotation.hpp"
 
 namespace trackbed::dem {
 
@@ -24,12 +25,6 @@ std::uint16_t rounded_up(std::size_t count) {
 void set(LaneBits& bits, std::size_t lane, bool value) {
   const auto bit = static_cast<LaneBits>(1u << lane);
   bits = static_cast<LaneBits>(value ? bits | bit : bits & ~bit);
-}
-
-// 1/(kg m2); 0 for a held particle, whose spin no torque changes.
-double over_least_moment(const State& state, std::size_t b) {
-  const Vec4& moments = state.inertia[b];
-  return state.held[b] != 0 ? 0 : 1 / std::min({moments.x, moments.y, moments.z});
 }
 
 // The features of the pair in lane k; first: numbers of the first corners of i and j.
@@ -89,7 +84,7 @@ std::uint32_t StoneBlocks::free_slot(const Class& wanted) {
     Block& block = blocks_.emplace_back();
     block.reach = all(none), block.half = block.radius = block.rolling_radius = all(0);
     // Results of unused lanes are never read, but slow to compute if they are not a number.
-    block.root_mass = all(1), block.over_i = block.over_j = all(0);
+    block.root_mass = all(1), block.inverse_moment_i = block.inverse_moment_j = all(0);
     block.features = static_cast<std::uint32_t>(features_.size());
     block.corners = wanted.corners, block.edges = wanted.edges, block.law = wanted.law;
     features_.resize(features_.size() + wanted.corners + wanted.edges);
@@ -141,8 +136,8 @@ void StoneBlocks::insert(const Scene& scene, const StoneList& list, std::int32_t
   const Vec4 &xi = list.xi[entry], &turn = list.turn[entry];
   const Vec4 roll = list.roll.empty() ? Vec4{} : list.roll[entry];
   block.root_mass[k] = xi.w;
-  block.over_i[k] = over_least_moment(scene.state, block.i[k]);
-  block.over_j[k] = over_least_moment(scene.state, block.j[k]);
+  block.inverse_moment_i[k] = largest_inverse_moment(scene.state, block.i[k]);
+  block.inverse_moment_j[k] = largest_inverse_moment(scene.state, block.j[k]);
   block.xi.x[k] = xi.x, block.xi.y[k] = xi.y, block.xi.z[k] = xi.z;
   block.turn[k] = turn.x, block.size[k] = turn.y, block.ring[k] = turn.z;
   block.roll.x[k] = roll.x, block.roll.y[k] = roll.y, block.roll.z[k] = roll.z;

@@ -58,10 +58,10 @@ struct alignas(64) Block {
   // Numbers of features: two stones face to face may have more than 255 of a kind.
   std::uint16_t corners, edges;
   std::uint8_t law;
-  LaneBits used, touching, watched, deep;  // deep: cores overlap
-  LaneBits fresh;                          // features found in this sub-step
-  Lanes root_mass;                         // kg^0.5, of the effective mass
-  Lanes over_i, over_j;                    // 1/(kg m2), over the least moments; 0: held
+  LaneBits used, touching, watched, deep;    // deep: cores overlap
+  LaneBits fresh;                            // features found in this sub-step
+  Lanes root_mass;                           // kg^0.5, of the effective mass
+  Lanes inverse_moment_i, inverse_moment_j;  // 1/(kg m2), over the least moments; 0: held
   // History; the list is outdated meanwhile (`store`). Zero for pairs that are not in contact.
   Lanes3 xi;               // m
   Lanes turn, size, ring;  // as in History

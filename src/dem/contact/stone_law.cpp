@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "dem/lanes/rows.hpp"
+#include "dem/state/rotation.hpp"
 
 namespace trackbed::dem {
 
@@ -34,15 +35,6 @@ template <bool rolls>
   if constexpr (rolls) block.roll = select(touching, h.roll, zeros);
 }
 
-// T . I^-1 T, 1/kg; 0 for a held particle.
-double turning_by(const State& s, std::size_t b, const Triple<double>& T) {
-  if (s.held[b] != 0) return 0;
-  const Vec4 &q = s.q[b], &moments = s.inertia[b];
-  const double attitude[4] = {q.x, q.y, q.z, q.w};
-  const Triple<double> body = to_body(attitude, T);
-  return body.x * body.x / moments.x + body.y * body.y / moments.y + body.z * body.z / moments.z;
-}
-
 }  // namespace
 
 template <bool rolls>
@@ -64,8 +56,8 @@ void StoneLaw::respond_to(std::size_t number, Block& block, const WrenchLanes& w
                                 w.spread,
                                 block.root_mass,
                                 block.radius,
-                                block.over_i,
-                                block.over_j,
+                                block.inverse_moment_i,
+                                block.inverse_moment_j,
                                 Lanes{},
                                 law_.get(),
                                 rolling_.get(),
@@ -75,8 +67,8 @@ void StoneLaw::respond_to(std::size_t number, Block& block, const WrenchLanes& w
     Lanes sum = all(0);
     for (std::size_t k = 0; k < lanes; ++k)
       if (may_end[k] != 0)
-        sum[k] = turning_by(s, block.i[k], {w.T.x[k], w.T.y[k], w.T.z[k]}) +
-                 turning_by(s, block.j[k], {S.x[k], S.y[k], S.z[k]});
+        sum[k] = inverse_mass_of_turning(s, block.i[k], {w.T.x[k], w.T.y[k], w.T.z[k]}) +
+                 inverse_mass_of_turning(s, block.j[k], {S.x[k], S.y[k], S.z[k]});
     return sum;
   };
   const StoneForce<Lanes> f = dem::respond<rolls>(touch, yielding, dt_, h);

@@ -22,8 +22,9 @@ struct StoneTouch {
   Triple<Real> vi, vj, wi, wj;  // m/s, rad/s
   Real M, spread;               // m, m^2
   Real root_mass, radius;       // radius: m, of the two curvatures together
-  Real over_i, over_j;          // 1/(kg m2), over the least principal moments; 0: does not yield
-  Real drift;                   // m/s, of features of j along N relative to its motion at x
+  // 1/(kg m2), over the least principal moments; 0: is not rotated
+  Real inverse_moment_i, inverse_moment_j;
+  Real drift;  // m/s, of features of j along N relative to its motion at x
   Springs<Real> law;
   Rolling<Real> rolling;
   Real rolling_radius;  // m, reduced, of the balls around the two pieces
@@ -68,7 +69,7 @@ template <bool rolls, class Real, class Yielding>
   const auto c = coefficients<true>(law, g.M, g.root_mass, g.radius);
   const Real mass = g.root_mass * g.root_mass, tiny = Real{} + 1e-300;
   const Real over = square / larger(mass, tiny);
-  const Real most = over + dot(g.T, g.T) * g.over_i + dot(S, S) * g.over_j;
+  const Real most = over + dot(g.T, g.T) * g.inverse_moment_i + dot(S, S) * g.inverse_moment_j;
   constexpr double below = 0.999;  // also after rounding
   const Real least = below / larger(most, tiny);
   const auto exact = [&](auto may_end) {
@@ -83,12 +84,11 @@ template <bool rolls, class Real, class Yielding>
   spring.mass = mass;
   const Real remains = kept(h.size, c.size);
   const Touch<Real> touch{n, v, g.M, 0.5 * dot(g.wi + g.wj, n)};
-  const auto contact = contact_force(c, touch, spring, remains, dt, h.xi);
-  const Real f_n = contact.normal, ring = c.size * g.spread;
-  const Real limit = c.mu * larger(f_n, Real{}) * root(g.spread);
-  const Slider<Real> twisted{c.k_s * g.spread, c.c_s * g.spread, limit, kept(h.ring, ring)};
+  const Real ring = c.size * g.spread;
   const Triple<Real> spin = g.wi - g.wj;
-  const Real moment = torsion(twisted, dot(spin, n), dt, h.turn);
+  const Twisting<Real> face{root(g.spread), dot(spin, n), kept(h.ring, ring)};
+  const auto contact = face_force(c, touch, spring, remains, face, dt, h.xi, h.turn);
+  const Real f_n = contact.normal, moment = contact.moment;
   StoneForce<Real> out{contact.friction - f_n * g.N,
                        cross(g.x, contact.friction) - f_n * g.T + moment * n,
                        cross(arm_j, contact.friction) - f_n * S + moment * n,

@@ -207,8 +207,8 @@ template <class Real>
 }
 
 // By how much a force must be multiplied to be no larger than the limit.
-template <class Real>
-[[gnu::always_inline]] inline Real within(const Triple<Real>& force, Real limit) {
+template <class Vector, class Real>
+[[gnu::always_inline]] inline Real within(const Vector& force, Real limit) {
   const Real square = dot(force, force);
   const auto beyond = square > limit * limit;
   if (!any(beyond)) return Real{} + 1.0;
@@ -248,23 +248,45 @@ template <class Real>
   return select(ends, stretch / larger(travel, tiny), Real{} + 1.0);
 }
 
-// Friction on i at the sliding velocity v (in the plane across n, m/s); moves the stretch xi (m) by
-// dt. The part of xi along the new normal is taken off (the plane has turned), the rest turns with
-// the contact, in a way that never lengthens it, and then moves with the surfaces.
+// What the limit leaves of a spring and its dashpot: the share of the stretch that remains, and
+// their force. `Vector`: a vector in the plane of contact, or an `InFace`.
+template <class Real, class Vector>
+struct Limited {
+  Real stuck;
+  Vector force;
+};
+
+template <class Real, class Vector>
+[[gnu::always_inline]] inline Limited<Real, Vector> limited(const Slider<Real>& s,
+                                                            const Vector& stretch,
+                                                            const Vector& rate) {
+  const Vector spring = s.k * stretch;
+  const Real stuck = within(spring, s.limit);
+  const Vector both = stuck * spring + s.c * rate;
+  // Without a spring the stretch has no use and is zero.
+  return {select(s.k > 0, stuck, Real{}), -within(both, s.limit) * both};
+}
+
+// The stretch xi (m) after a step dt at the sliding velocity v (m/s). The part of xi along the new
+// normal is taken off (the plane has turned), the rest turns with the contact, in a way that never
+// lengthens it, and then moves with the surfaces.
 template <class Real>
-[[gnu::always_inline]] inline Triple<Real> slide(const Slider<Real>& s, const NextStep<Real>& next,
-                                                 const Triple<Real>& n, const Triple<Real>& v,
-                                                 Real twist, double dt, Triple<Real>& xi) {
+[[gnu::always_inline]] inline Triple<Real> stretched(const Triple<Real>& xi, Real kept,
+                                                     const Triple<Real>& n, const Triple<Real>& v,
+                                                     Real twist, double dt) {
   const Triple<Real> plane = xi - dot(xi, n) * n;
   const Real turn = twist * dt;
-  const Real shrink = s.kept * (1.0 - 0.5 * (turn * turn));  // of |plane + turn n x plane|
-  const Triple<Real> moved = shrink * (plane + turn * cross(n, plane)) + dt * v;
-  const Triple<Real> spring = s.k * moved;
-  const Real stuck = within(spring, s.limit);
-  // Without a spring the stretch has no use and is zero.
-  xi = select(s.k > 0, stuck, Real{}) * moved;
-  const Triple<Real> both = stuck * spring + s.c * v;
-  const Triple<Real> force = -within(both, s.limit) * both;
+  const Real shrink = kept * (1.0 - 0.5 * (turn * turn));  // of |plane + turn n x plane|
+  return shrink * (plane + turn * cross(n, plane)) + dt * v;
+}
+
+// The force where the stretch xi may pass zero before the contact opens, see `remaining`.
+template <class Real>
+[[gnu::always_inline]] inline Triple<Real> before_end(const Triple<Real>& force,
+                                                      const Slider<Real>& s,
+                                                      const NextStep<Real>& next,
+                                                      const Triple<Real>& v, const Triple<Real>& xi,
+                                                      double dt) {
   // Whether the limit may cut what two steps stretch; without a limit there is no force.
   const Real reach = 2.0 * dt * s.k;
   const auto near_end = (next.limit * next.limit < reach * reach * dot(v, v)) & (s.limit > 0);
@@ -272,49 +294,140 @@ template <class Real>
   return select(near_end, remaining(force, v, xi, s.k, next, dt), Real{} + 1.0) * force;
 }
 
-// The same in one dimension: moment about the normal, on i, of a ring of the contact's spread (mean
-// square radius, m^2), which has the stiffness k_s spread (Nm/rad) and slips at
-// mu F_n sqrt(spread). Corners have no spread and no torsion. Moves the angle `turn` (rad).
+// Friction on i at the sliding velocity v (in the plane across n, m/s); moves the stretch xi (m) by
+// dt.
 template <class Real>
-[[gnu::always_inline]] inline Real torsion(const Slider<Real>& s, Real rate, double dt,
-                                           Real& turn) {
-  const Real moved = s.kept * turn + rate * dt;
-  const Real spring = s.k * moved, size = larger(spring, -spring);
-  const Real stuck = select(size > s.limit, s.limit / larger(size, Real{} + 1e-300), Real{} + 1.0);
-  turn = select(s.k > 0, stuck * moved, Real{});
-  const Real moment = stuck * spring + s.c * rate;
-  return -smaller(larger(moment, -s.limit), s.limit);
+[[gnu::always_inline]] inline Triple<Real> slide(const Slider<Real>& s, const NextStep<Real>& next,
+                                                 const Triple<Real>& n, const Triple<Real>& v,
+                                                 Real twist, double dt, Triple<Real>& xi) {
+  const Triple<Real> moved = stretched(xi, s.kept, n, v, twist, dt);
+  const auto friction = limited(s, moved, v);
+  xi = friction.stuck * moved;
+  return before_end(friction.force, s, next, v, xi, dt);
 }
 
-// Friction on i, normal force (along -n on i) and half of its predicted value in the next step, N
-// (of Hertz contacts infinite: they lose their tangential stiffness before they open).
+// Slip of a face and its rotation about the normal times the arm of the face: m, m/s or N.
+template <class Real>
+struct InFace {
+  Triple<Real> slip;
+  Real around;
+};
+template <class Real>
+[[gnu::always_inline]] inline InFace<Real> operator+(const InFace<Real>& a, const InFace<Real>& b) {
+  return {a.slip + b.slip, a.around + b.around};
+}
+template <class Real>
+[[gnu::always_inline]] inline InFace<Real> operator*(Real s, const InFace<Real>& a) {
+  return {s * a.slip, s * a.around};
+}
+template <class Real>
+[[gnu::always_inline]] inline Real dot(const InFace<Real>& a, const InFace<Real>& b) {
+  return dot(a.slip, b.slip) + a.around * b.around;
+}
+
+// Rotation of a face: arm (root mean square distance of its points from their mean, m; 0: a corner,
+// which has no torsion), relative spin of i and j about n (rad/s), and how much of the angle
+// remains since the step before.
+template <class Real>
+struct Twisting {
+  Real arm, rate, kept;
+};
+
+// Friction of a face and its moment about n, on i; moves the stretch xi (m) and the angle `turn`
+// (rad) by dt. The points of the face share their friction between slip and rotation: their springs
+// k_s act as a ring, of the stiffness k_s arm^2 (Nm/rad), and force and moment have the common
+// limit
+//   F^2 + (moment / arm)^2 <= (mu F_n)^2,
+// an ellipsoid instead of the exact limit surface (Goyal, Ruina, Papadopoulos 1991,
+// doi:10.1016/0043-1648(91)90104-3; Howe, Cutkosky 1996, doi:10.1177/027836499601500603). In
+// (force, moment / arm) it is a ball, so that cutting takes energy as for force alone.
+template <class Real>
+struct FaceFriction {
+  Triple<Real> force;
+  Real moment;
+};
+template <class Real>
+[[gnu::always_inline]] inline FaceFriction<Real> slide(const Slider<Real>& s,
+                                                       const NextStep<Real>& next,
+                                                       const Triple<Real>& n, const Triple<Real>& v,
+                                                       Real twist, const Twisting<Real>& face,
+                                                       double dt, Triple<Real>& xi, Real& turn) {
+  const Triple<Real> moved = stretched(xi, s.kept, n, v, twist, dt);
+  const Real turned = face.kept * turn + face.rate * dt;
+  const auto friction =
+      limited(s, InFace<Real>{moved, face.arm * turned}, InFace<Real>{v, face.arm * face.rate});
+  xi = friction.stuck * moved;
+  turn = select(face.arm > 0, friction.stuck * turned, Real{});
+  return {before_end(friction.force.slip, s, next, v, xi, dt), face.arm * friction.force.around};
+}
+
+// The normal force (along -n on i), half of its predicted value in the next step, N (of Hertz
+// contacts infinite: they lose their tangential stiffness before they open), and the sliding
+// velocity, m/s.
+template <class Real>
+struct NormalForce {
+  Real now, next;
+  Triple<Real> sliding;
+};
+
+// Spring and dashpot act in parallel; their sum is cut, not the dashpot alone: damping may take
+// away all of the spring's force but, without attraction, no more.
+template <class Real>
+[[gnu::always_inline]] inline NormalForce<Real> normal_force(const Coefficients<Real>& c,
+                                                             const Touch<Real>& t,
+                                                             const NormalSpring<Real>& spring,
+                                                             double dt) {
+  const Real v_n = dot(t.v, t.n);  // > 0: approaching
+  const Real f_n = larger(spring.force + c.c_n * v_n, c.least);
+  // The force in the next step if nothing else acts on the two, and half of it, since the force of
+  // an opening contact is smaller (`spring_force`).
+  const Real slower = v_n - f_n * dt / larger(spring.mass, Real{} + 1e-300);
+  const Real half = 0.5 * larger(f_n + c.k_n * dt * slower, Real{});
+  return {f_n, select(spring.linear > 0, half, Real{} + 1e300), t.v - v_n * t.n};
+}
+
+// The slider of friction, of whose stretch `kept` remains. No friction from a contact that pulls.
+template <class Real>
+[[gnu::always_inline]] inline Slider<Real> friction_slider(const Coefficients<Real>& c, Real f_n,
+                                                           Real kept) {
+  return {c.k_s, c.c_s, c.mu * larger(f_n, Real{}), kept};
+}
+
+// Friction on i, and the normal force as above.
 template <class Real>
 struct ContactForce {
   Triple<Real> friction;
   Real normal, next;
 };
-
-// Moves the stretch xi of friction by dt, of which `kept` remains. Spring and dashpot act in
-// parallel; their sum is cut, not the dashpot alone: damping may take away all of the spring's
-// force but, without attraction, no more.
 template <class Real>
 [[gnu::always_inline]] inline ContactForce<Real> contact_force(const Coefficients<Real>& c,
                                                                const Touch<Real>& t,
                                                                const NormalSpring<Real>& spring,
                                                                Real kept, double dt,
                                                                Triple<Real>& xi) {
-  const Real v_n = dot(t.v, t.n);  // > 0: approaching
-  const Real f_n = larger(spring.force + c.c_n * v_n, c.least);
-  const Triple<Real> sliding = t.v - v_n * t.n;
-  // The force in the next step if nothing else acts on the two, and half of it, since the force of
-  // an opening contact is smaller (`spring_force`).
-  const Real slower = v_n - f_n * dt / larger(spring.mass, Real{} + 1e-300);
-  const Real half = 0.5 * larger(f_n + c.k_n * dt * slower, Real{});
-  const Real next = select(spring.linear > 0, half, Real{} + 1e300);
-  // No friction from a contact that pulls.
-  const Slider<Real> slider{c.k_s, c.c_s, c.mu * larger(f_n, Real{}), kept};
-  const NextStep<Real> then{c.mu * next, spring.mass};
-  return {slide(slider, then, t.n, sliding, t.twist, dt, xi), f_n, next};
+  const NormalForce<Real> f = normal_force(c, t, spring, dt);
+  const NextStep<Real> then{c.mu * f.next, spring.mass};
+  return {slide(friction_slider(c, f.now, kept), then, t.n, f.sliding, t.twist, dt, xi), f.now,
+          f.next};
+}
+
+// The same of a face, with its moment of torsion about n on i.
+template <class Real>
+struct FaceForce {
+  Triple<Real> friction;
+  Real moment, normal, next;
+};
+template <class Real>
+[[gnu::always_inline]] inline FaceForce<Real> face_force(const Coefficients<Real>& c,
+                                                         const Touch<Real>& t,
+                                                         const NormalSpring<Real>& spring,
+                                                         Real kept, const Twisting<Real>& face,
+                                                         double dt, Triple<Real>& xi, Real& turn) {
+  const NormalForce<Real> f = normal_force(c, t, spring, dt);
+  const NextStep<Real> then{c.mu * f.next, spring.mass};
+  const auto friction =
+      slide(friction_slider(c, f.now, kept), then, t.n, f.sliding, t.twist, face, dt, xi, turn);
+  return {friction.force, friction.moment, f.now, f.next};
 }
 
 // Resistance to rolling; with mu = 0 the slider carries nothing and its stretch stays zero.

@@ -66,10 +66,13 @@ struct Particles::Impl {
   void compute_surface_forces(const SubStep& step);
   double touch_with_ball(Approach& a, const SubStep& step);     // largest overlap over radius
   double touch_with_corners(Approach& a, const SubStep& step);  // over rounding
-  double turning_by(std::size_t b, const Vec3& lever) const;    // 1/kg
   void apply_ball_contact(Approach& a, const MeshContact& c, const SubStep& step);
   double apply_patch_contact(Approach& a, std::span<const MeshContact> contacts, double rounding,
                              const SubStep& step);
+  struct PatchMotion;  // surface_contacts.cpp
+  void load_patch(const Approach& a, std::span<const MeshContact> contacts,
+                  const PatchMotion& patch, const Wrench& w, const StoneForce<double>& f,
+                  const SubStep& step);
   StoneView stone_view(const Approach& a, double fraction) const;
   void add_to_surface(const Approach& a, const MeshContact& c, const Vec3& force,
                       const Vec3& motion, const SubStep& step);

@@ -7,6 +7,7 @@
 
 #include "dem/contact/stone_law.hpp"
 #include "dem/particles/impl.hpp"
+#include "dem/state/rotation.hpp"
 #include "trackbed/core/exact_sum.hpp"
 
 namespace trackbed::dem {
@@ -80,19 +81,6 @@ void Particles::Impl::add_to_node(Surface& surface, int triangle, std::size_t k,
   action.work += force.dot(surface.motion[static_cast<std::size_t>(node)]) / step.count;
 }
 
-// A force f with the torque f T about the centre of mass rotates the particle as well: the velocity
-// at which it does work grows by f (N . N / m + T . I^-1 T) per second. This is the last term,
-// 1/kg.
-double Particles::Impl::turning_by(std::size_t b, const Vec3& lever) const {
-  const Vec3 moments = state.inertia[b].vec3();
-  double turning = lever.y() * lever.y() / moments.y();
-  if (domain.dimension == Dimension::space) {
-    const Vec3 body = quat(state.q[b]).conjugate() * lever;
-    turning = body.dot(body.cwiseQuotient(moments));
-  }
-  return turning;
-}
-
 // Force and torque of one contact of a ball on its particle, the opposite on the surface.
 void Particles::Impl::apply_ball_contact(Approach& a, const MeshContact& c, const SubStep& step) {
   const auto p = static_cast<std::size_t>(a.piece);
@@ -121,9 +109,10 @@ void Particles::Impl::apply_ball_contact(Approach& a, const MeshContact& c, cons
   const auto k = coefficients<true>(law, touch.delta, root_mass, piece.w);
   // The corrections at the ends of a contact need the speed that a force changes in a step; the
   // damper's mass is part of the law.
-  const double mass_at_end = shapes.only_spheres()
-                                 ? root_mass * root_mass
-                                 : 1 / (1 / mass(b) + turning_by(b, arm.cross(c.normal)));
+  const double mass_at_end =
+      shapes.only_spheres()
+          ? root_mass * root_mass
+          : 1 / (1 / mass(b) + inverse_mass_of_turning(state, b, triple(arm.cross(c.normal))));
   const NormalSpring<double> spring = spring_force<true>(
       law, k, OverlapMotion<double>{touch.delta, rate}, end_mass(mass_at_end), piece.w, step.dt);
   const double remains = kept(patch.size, k.size);
@@ -208,41 +197,45 @@ double Particles::Impl::touch_with_corners(Approach& a, const SubStep& step) {
   return worst;
 }
 
-// All contacts of a piece with one patch act as one; each applies its part of the force to its own
-// triangle, so that the surface gets the opposite of the stone's force and moment to rounding. The
-// same law as between stones (stone_law.hpp), i the stone and j the surface, which has no rotation
-// of its own: its motion at the mean point is that of its nodes, and `drift` is the additional
-// motion of its features along N.
-//
-// Force on feature k, with s_k = (delta_k / M)^5 as in features.hpp and S = sum s_k:
-//   s_k/S (friction + ring x (x_k - x)) - f_n s_k n_k,  ring = moment/spread along N.
-// The normal part is not averaged but applied to each feature along its own normal. The ring forces
-// have no resultant; about N they give the required moment if the points are in a plane across N,
-// because spread is the mean square of the arms.
+// Weights of the contacts of a piece with one patch and the motion of the surface there. Its arrays
+// keep their capacity: no allocation per step.
+struct Particles::Impl::PatchMotion {
+  std::vector<double> slope;  // s_k = dM/d delta_k, of each contact
+  double total = 0;           // of the slopes
+  std::vector<Vec3> motions;  // m, of the surface at each contact
+  Vec3 motion;                // m, at the mean point of contact
+  double closing = 0;         // m, of the features on the surface, along N
+
+  void set(std::span<const MeshContact> contacts, double rounding, double M, const Surface& surface,
+           const SubStep& step) {
+    slope.clear(), motions.clear();
+    total = closing = 0, motion = Vec3::Zero();
+    for (const MeshContact& c : contacts) {
+      const double ratio = (rounding - c.distance) / M, square = ratio * ratio;
+      slope.push_back(square * square * ratio);
+      total += slope.back();
+    }
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const Vec3& u = motions.emplace_back(motion_at(surface, contacts[k], step));
+      motion += slope[k] / total * u;
+      closing += slope[k] * contacts[k].normal.dot(u);
+    }
+  }
+};
+
+// All contacts of a piece with one patch act as one. The same law as between stones
+// (stone_law.hpp), i the stone and j the surface, which has no rotation of its own: its motion at
+// the mean point is that of its nodes, and `drift` is the additional motion of its features along
+// N.
 double Particles::Impl::apply_patch_contact(Approach& a, std::span<const MeshContact> contacts,
                                             double rounding, const SubStep& step) {
   Overlaps overlaps;
   for (const MeshContact& c : contacts) overlaps.add(rounding - c.distance, c.normal, c.point);
   const Wrench w = overlaps.result();
   if (!(w.M > 0)) return 0;
-  thread_local std::vector<double> slope;  // s_k = dM/d delta_k
-  slope.clear();
-  double total = 0;
-  for (const MeshContact& c : contacts) {
-    const double ratio = (rounding - c.distance) / w.M, square = ratio * ratio;
-    slope.push_back(square * square * ratio);
-    total += slope.back();
-  }
+  thread_local PatchMotion on_patch;
   const Surface& surface = *surfaces[static_cast<std::size_t>(a.surface)];
-  thread_local std::vector<Vec3> motions;  // m, of the surface at each contact
-  motions.clear();
-  Vec3 motion = Vec3::Zero();  // m, at the mean point of contact
-  double closing = 0;          // m, of the features on the surface, along N
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const Vec3& u = motions.emplace_back(motion_at(surface, contacts[k], step));
-    motion += slope[k] / total * u;
-    closing += slope[k] * contacts[k].normal.dot(u);
-  }
+  on_patch.set(contacts, rounding, w.M, surface, step);
   const auto b = static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(a.piece)]);
   Approach::Patch& patch = patch_record(a, contacts[0].patch);
   patch.overlap = w.M, patch.radius = rounding, patch.spread = w.spread, patch.N = w.N;
@@ -250,27 +243,49 @@ double Particles::Impl::apply_patch_contact(Approach& a, std::span<const MeshCon
   StoneTouch<double> g{};
   g.N = triple(w.N), g.T = triple(w.T), g.x = triple(w.x), g.M = w.M, g.spread = w.spread;
   g.vi = triple(state.v[b].vec3()), g.wi = triple(state.w[b].vec3());
-  g.vj = triple(motion / step.dt);
-  g.drift = (closing - motion.dot(w.N)) / step.dt;
+  g.vj = triple(on_patch.motion / step.dt);
+  g.drift = (on_patch.closing - on_patch.motion.dot(w.N)) / step.dt;
   g.root_mass = std::sqrt(mass(b)), g.radius = rounding;
-  const Vec4& moments = state.inertia[b];
-  g.over_i = 1 / std::min({moments.x, moments.y, moments.z}), g.over_j = 0;
+  g.inverse_moment_i = largest_inverse_moment(state, b), g.inverse_moment_j = 0;
   g.law = laws[static_cast<std::size_t>(a.law)].springs;
   StoneStretch<double> h{triple(patch.xi.vec3()), {}, patch.turn, patch.size, patch.ring};
-  const auto yielding = [&](const Triple<double>&, bool) { return turning_by(b, w.T); };
+  const auto yielding = [&](const Triple<double>&, bool) {
+    return inverse_mass_of_turning(state, b, triple(w.T));
+  };
   const StoneForce<double> f = respond<false>(g, yielding, step.dt, h);
   const double remains = kept(patch.size, h.size);
   patch.xi.set(vec3(h.xi)), patch.turn = h.turn, patch.size = h.size, patch.ring = h.ring;
+  load_patch(a, contacts, on_patch, w, f, step);
+  if (laws.any_rolls())
+    add_rolling_resistance(
+        a, patch,
+        {contacts, on_patch.slope, f.k_n, f.f_n * w.N.norm(), f.next * w.N.norm(), remains}, step);
+  return w.M / rounding;
+}
+
+// Each contact applies its part of the force to its own triangle, so that the surface gets the
+// opposite of the stone's force and moment to rounding. Force on feature k, with the slopes
+// s_k = (delta_k / M)^5 as in features.hpp and S = sum s_k:
+//   s_k/S (friction + ring x (x_k - x)) - f_n s_k n_k,  ring = moment/spread along N.
+// The normal part is not averaged but applied to each feature along its own normal. The ring forces
+// have no resultant; about N they give the required moment if the points are in a plane across N,
+// because spread is the mean square of the arms.
+void Particles::Impl::load_patch(const Approach& a, std::span<const MeshContact> contacts,
+                                 const PatchMotion& patch, const Wrench& w,
+                                 const StoneForce<double>& f, const SubStep& step) {
+  const auto b = static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(a.piece)]);
   // Plain numbers, as in mesh.cpp.
   const Triple<double> ring =
       triple(w.spread > 0 ? Vec3(f.moment / w.spread * w.N.normalized()) : Vec3(Vec3::Zero()));
+  const Triple<double> middle = triple(w.x);
   Triple<double> forces{}, torques{};
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const MeshContact& c = contacts[k];
     const Triple<double> at = triple(c.point);
-    const Triple<double> part = (slope[k] / total) * (f.friction + cross(ring, at - g.x)) -
-                                (f.f_n * slope[k]) * triple(c.normal);
-    add_to_surface(a, c, vec3(part), motions[k], step);
+    const Triple<double> part =
+        (patch.slope[k] / patch.total) * (f.friction + cross(ring, at - middle)) -
+        (f.f_n * patch.slope[k]) * triple(c.normal);
+    add_to_surface(a, c, vec3(part), patch.motions[k], step);
     forces = forces + part, torques = torques + cross(at, part);
   }
   const Vec3 force = vec3(forces), torque = vec3(torques);
@@ -278,10 +293,6 @@ double Particles::Impl::apply_patch_contact(Approach& a, std::span<const MeshCon
   state.t[b].set(state.t[b].vec3() + torque);
   action.force -= force;
   action.moment -= (state.x[b].vec3() + a.shift).cross(force) + torque;
-  if (laws.any_rolls())
-    add_rolling_resistance(
-        a, patch, {contacts, slope, f.k_n, f.f_n * w.N.norm(), f.next * w.N.norm(), remains}, step);
-  return w.M / rounding;
 }
 
 // Paths of surfaces by their fastest node, m: an upper bound for any point of them. Called once in

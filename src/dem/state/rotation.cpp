@@ -116,6 +116,19 @@ Lanes drift_and_rotate_rest(const Bodies& b, std::size_t count, double dt) {
 
 }  // namespace
 
+double inverse_mass_of_turning(const State& state, std::size_t b, const Triple<double>& lever) {
+  if (state.held[b] != 0) return 0;
+  const Vec4 &q = state.q[b], &moments = state.inertia[b];
+  const double attitude[4] = {q.x, q.y, q.z, q.w};
+  const Triple<double> body = to_body(attitude, lever);
+  return body.x * body.x / moments.x + body.y * body.y / moments.y + body.z * body.z / moments.z;
+}
+
+double largest_inverse_moment(const State& state, std::size_t b) {
+  const Vec4& moments = state.inertia[b];
+  return state.held[b] != 0 ? 0 : 1 / std::min({moments.x, moments.y, moments.z});
+}
+
 Vec4 spin_of(const Vec4& attitude, const Vec4& momentum, const Vec4& inertia) {
   const double q[4] = {attitude.x, attitude.y, attitude.z, attitude.w};
   const Triple<double> over_inertia{1 / inertia.x, 1 / inertia.y, 1 / inertia.z};

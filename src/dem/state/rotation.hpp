@@ -2,6 +2,7 @@
 // need it (step.cpp).
 #pragma once
 
+#include "dem/lanes/lanes.hpp"
 #include "dem/state/state.hpp"
 
 namespace trackbed::dem {
@@ -9,6 +10,14 @@ namespace trackbed::dem {
 // Spin I^-1 L in space axes, rad/s, of an attitude, an angular momentum and principal moments.
 // The formula of `drift_and_rotate`, so that a rebuild does not change results.
 Vec4 spin_of(const Vec4& attitude, const Vec4& momentum, const Vec4& inertia);
+
+// A force f on particle b with the torque f T about its centre of mass turns it as well: the
+// velocity at which the force does work grows by f (1/m + T . I^-1 T) per second. This is the
+// second term, 1/kg, for a lever T (m); 0 for a held particle, whose spin no torque changes. At
+// most `largest_inverse_moment` T^2.
+double inverse_mass_of_turning(const State& state, std::size_t b, const Triple<double>& lever);
+// One over the least principal moment, 1/(kg m2); 0 for a held particle.
+double largest_inverse_moment(const State& state, std::size_t b);
 
 // Moves centres and attitudes of own particles by dt at constant v and L, and computes their spins.
 // Returns the largest displacement of a surface point since the poses given, m: the distance of the

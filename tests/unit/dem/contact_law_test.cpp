@@ -46,6 +46,31 @@ TEST(ContactLaw, AStretchTurnsWithTheMeanSpinOfTwoStones) {
   }
 }
 
+// A face that slides and rotates: force and moment over the arm share Coulomb's limit, in the
+// directions of slip and of rotation times the arm.
+TEST(ContactLaw, AFaceSharesItsFrictionBetweenSlipAndRotation) {
+  constexpr double mu = 0.4, arm = 0.02, dt = 1e-5;
+  for (const auto& [slip, spin] : {std::pair(1.0, 0.0), {1.0, 5.0}, {0.01, 30.0}, {0.0, 2.0}}) {
+    StoneTouch<double> g{};
+    g.N = {0, 0, 1}, g.M = 1e-5, g.spread = arm * arm;
+    // Both rotate as fast, so that the stretch keeps its direction in space.
+    g.vi = {0.6 * slip, 0.8 * slip, 0}, g.wi = {0, 0, 0.5 * spin}, g.wj = {0, 0, -0.5 * spin};
+    g.root_mass = 0.1, g.radius = 1e-3;
+    g.law = {.k_n = 1e6, .k_s = 8e5, .mu = mu};
+    StoneStretch<double> h{{0, 1e-7, 0}, {}, 0, 1, arm * arm};
+    StoneForce<double> f{};
+    for (int step = 0; step < 3000; ++step)
+      f = respond<false>(
+          g, [](const Stretch&, bool) { return 0.0; }, dt, h);
+    const double limit = mu * f.f_n, speed = std::hypot(slip, arm * spin);
+    constexpr double rounding = 1e-9;
+    EXPECT_NEAR(f.friction.x, -limit * 0.6 * slip / speed, rounding * limit) << slip << " " << spin;
+    EXPECT_NEAR(f.friction.y, -limit * 0.8 * slip / speed, rounding * limit) << slip << " " << spin;
+    EXPECT_NEAR(f.moment, -limit * arm * arm * spin / speed, rounding * limit * arm)
+        << slip << " " << spin;
+  }
+}
+
 TEST(ContactLaw, HistoryTurnsWithThePair) {
   // A stretched contact whose two particles rotate together about the normal: the spring rotates
   // with them, a quarter turn in 1000 steps, and never becomes longer, which would be work from

@@ -141,11 +141,9 @@ Response<Real> respond(const Move<Real>& m, double dt, Contact<Real>& h) {
       m.springs, c, OverlapMotion<Real>{m.delta, m.rate}, end_mass(moved * moved), r, dt);
   const Touch<Real> touch{m.n, m.sliding + m.rate * m.n, m.delta, m.turning};
   const Real remains = kept(h.size, c.size), ring = c.size * m.spread;
-  const auto contact = contact_force(c, touch, spring, remains, dt, h.xi);
-  const Real limit = c.mu * larger(contact.normal, Real{}) * root(m.spread);
-  const Slider<Real> twisted{c.k_s * m.spread, c.c_s * m.spread, limit, kept(h.ring, ring)};
-  Response<Real> out{contact.friction, {}, contact.normal, {}};
-  out.torsion = torsion(twisted, m.twisting, dt, h.turn);
+  const Twisting<Real> face{root(m.spread), m.twisting, kept(h.ring, ring)};
+  const auto contact = face_force(c, touch, spring, remains, face, dt, h.xi, h.turn);
+  Response<Real> out{contact.friction, {}, contact.normal, contact.moment};
   const Rolls<Real> rolls{m.n, m.spin, m.turning, contact.normal, contact.next, c.k_n, r, weight};
   out.against_rolling = rolling_moment(m.rolling, rolls, remains, dt, h.roll);
   h.size = c.size, h.ring = ring;
