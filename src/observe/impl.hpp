@@ -9,27 +9,37 @@ namespace trackbed::observe {
 
 inline constexpr const char* results_kind = "trackbed results";
 
-// A dataset [rows, width] that grows; `values` are rows not yet in the file. width 0: nothing was
-// sampled yet, so no dataset is created.
+// A dataset [rows, width] that grows; `values` are rows not yet in the file, `last` those of the
+// last flush. width 0: nothing was sampled yet, so no dataset is created.
 struct Column {
   std::string path;
   io::Label label;
   std::size_t width = 0;
-  std::vector<double> values{};
+  std::vector<double> values{}, last{};
 };
 
 // All ranks hold the same columns; rank 0 writes them.
 struct Results::Impl {
   Impl(const par::Comm& comm, std::string path, About about);
+  ~Impl();  // removes the twin
+  Impl(const Impl&) = delete;
   void begin_file();
   void put_head(io::File& file);
+  std::string twin_path() const { return path + ".part"; }
   void take_name(const std::string& part);  // `part` replaces the results. Collective.
-  // Changes a copy of the file, which then replaces it. Collective.
+  // Changes a copy of the file, which then replaces it. Collective, as the following.
   void replace(const std::function<void(io::File&)>& change);
+  void flush();
+  void prepare_twin();
+  void change_twin(const std::function<void(io::File&)>& change);
   std::vector<std::vector<Column>*> groups() {
     return {&energy, &sleeper, &ground, &region, &wall, &platen, &train, &solid, &placed};
   }
-  void append_to(io::File& file);
+  std::vector<const std::vector<Column>*> groups() const {
+    return {&energy, &sleeper, &ground, &region, &wall, &platen, &train, &solid, &placed};
+  }
+  void append_to(io::File& file);  // the rows in memory
+  void append_last_to(io::File& file) const;
   void sample_energy(const dem::Totals& totals);
   void sample_sleepers(const track::Sleepers* sleepers, std::span<const double> seat_force);
   void set_ground_nodes(const std::vector<std::int32_t>& nodes, Dimension dimension);
@@ -44,10 +54,11 @@ struct Results::Impl {
   par::Comm comm;
   std::string path;
   About about;
-  bool resumed = false;       // continues the file of a stopped run
-  std::int64_t rows = 0;      // in file and memory
-  std::vector<double> times;  // s, of rows in memory
-  std::vector<std::int64_t> stages;
+  bool resumed = false;                   // continues the file of a stopped run
+  std::int64_t rows = 0;                  // in file and memory
+  bool has_twin = false;                  // a file that has all but the rows of the last flush
+  std::vector<double> times, last_times;  // s, as `values` and `last` of columns
+  std::vector<std::int64_t> stages, last_stages;
   std::vector<std::int32_t> nodes;  // of the ground's top
   std::vector<int> axes;            // of their motion, the vertical first
   std::vector<Region> regions;

@@ -1,12 +1,19 @@
-// Histories are collected in memory and added to the file at a flush: the file is copied, rows are
-// appended to the copy, and the copy replaces the file. This costs a copy per flush, which is rare
-// (checkpoints, ends of stages), and never leaves a half-written file.
-// HDF5 alone does not ensure this: an interruption between two of its writes can leave a file that
-// cannot be opened, with the loss of hours of histories. SWMR, its solution, does not support
-// parallel files.
+// Histories are collected in memory and added to the file at a flush (checkpoints, ends of stages).
+// HDF5 alone does not keep a file whole: an interruption between two of its writes can leave one
+// that cannot be opened, with the loss of hours of histories. SWMR, its solution, does not support
+// parallel files. So there are two files. The twin has all but the rows of the last flush; these
+// and the new ones are appended to it, and then the two exchange their names in one step. A reader
+// opens a whole file at any time, and a flush writes each row twice instead of copying all rows
+// before. Other changes (snapshots) are made to the twin, which then replaces the file; the next
+// flush copies the file once to have a twin again.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <limits>
@@ -20,8 +27,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// About 1 MB with 30 columns, so that copying the file at a flush stays rare. Memory is the same on
-// all ranks; an additional flush only costs the copy.
+// About 1 MB with 30 columns, and as much of the last flush. Memory is the same on all ranks.
 constexpr std::size_t rows_in_memory = 4000;
 constexpr double same_place = 1e-6;  // m, two nodes on one line along the track
 
@@ -138,9 +144,7 @@ void Results::sample(const Scene& scene, const Instant& instant) {
 
 // Collective. Afterwards the file has the number of rows that a checkpoint stores.
 void Results::flush() {
-  Impl& impl = *impl_;
-  if (impl.times.empty()) return;
-  impl.replace([&](io::File& file) { impl.append_to(file); });
+  if (!impl_->times.empty()) impl_->flush();
 }
 
 // Creates no file: `begin` or `resume` does.
@@ -186,40 +190,103 @@ std::string copied(const std::string& from, const std::string& to) {
   return to + ": cannot be written (" + (known ? std::strerror(errno) : error.message()) + ")";
 }
 
+// Whether a reader has opened the file, which was the file of results before the last flush:
+// readers of HDF5 hold a lock on it. Without one, changes could reach a reader in the middle of its
+// work.
+bool is_being_read(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY);
+  if (descriptor < 0) return true;
+  const bool free = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
+  ::close(descriptor);  // and the lock
+  return !free;
+}
+
 }  // namespace
 
-// Rank 0 copies; all ranks open the copy together. The old file remains valid until the rename,
-// which is atomic (POSIX). An incomplete copy is removed, so that it does not fill the disk.
-void Results::Impl::replace(const std::function<void(io::File&)>& change) {
-  const std::string part = path + ".part";
+Results::Impl::~Impl() {
+  std::error_code ignored;
+  if (has_twin && comm.root()) fs::remove(twin_path(), ignored);
+}
+
+// A twin that is being read is left to its reader.
+void Results::Impl::prepare_twin() {
+  const std::string twin = twin_path();
+  if (has_twin) {
+    const bool in_use = comm.root() && is_being_read(twin);
+    has_twin = comm.broadcast(in_use ? "in use" : "").empty();
+  }
+  if (has_twin) return;
+  std::error_code ignored;
+  if (comm.root()) fs::remove(twin, ignored);  // not overwritten: a reader keeps its contents
+  comm.agree(comm.root() ? copied(path, twin) : "");
+}
+
+// Rank 0 copies; all ranks open the twin together. An incomplete one is removed, so that it does
+// not fill the disk.
+void Results::Impl::change_twin(const std::function<void(io::File&)>& change) {
   try {
-    comm.agree(comm.root() ? copied(path, part) : "");
-    io::File file(comm, part, io::Mode::append);
+    prepare_twin();
+    io::File file(comm, twin_path(), io::Mode::append);
+    if (has_twin) append_last_to(file);
     change(file);
     file.close();
   } catch (const RunError&) {  // the same on all ranks
     std::error_code ignored;
-    if (comm.root()) fs::remove(part, ignored);
+    if (comm.root()) fs::remove(twin_path(), ignored);
+    has_twin = false;
     throw;
   }
-  take_name(part);
 }
 
-// Groups that were not sampled have width 0 and no dataset. Collective.
-void Results::Impl::append_to(io::File& file) {
-  const bool root = comm.root();  // all ranks have all rows; one writes them
+// The old file remains valid until the rename, which is atomic (POSIX).
+void Results::Impl::replace(const std::function<void(io::File&)>& change) {
+  change_twin(change);
+  take_name(twin_path());
+  has_twin = false;
+}
+
+// Not all file systems can exchange names: then the old file is lost as in `replace`, and each
+// flush copies the file.
+void Results::Impl::flush() {
+  change_twin([&](io::File& file) { append_to(file); });
+  const std::string twin = twin_path();
+  const bool exchanged = comm.root() && ::renameat2(AT_FDCWD, twin.c_str(), AT_FDCWD, path.c_str(),
+                                                    RENAME_EXCHANGE) == 0;
+  has_twin = !comm.broadcast(exchanged ? "exchanged" : "").empty();
+  if (!has_twin) take_name(twin);
+}
+
+namespace {
+
+// Columns that were not sampled have width 0 and no dataset. All ranks have all rows; one writes
+// them.
+template <class Groups>
+void append_rows(const par::Comm& comm, io::File& file, const std::vector<double>& times,
+                 const std::vector<std::int64_t>& stages, const Groups& groups,
+                 std::vector<double> Column::*rows) {
   const auto own = [&](const auto& values) {
-    return std::span(values).first(root ? values.size() : 0);
+    return std::span(values).first(comm.root() ? values.size() : 0);
   };
   file.append<double>("history/time", own(times), 1, {"s", "simulated time"});
   file.append<std::int64_t>("history/stage", own(stages), 1, {"-", "number of the stage"});
-  for (const auto* group : groups())
+  for (const auto* group : groups)
     for (const Column& column : *group)
       if (column.width > 0)
-        file.append<double>(column.path, own(column.values), column.width, column.label);
+        file.append<double>(column.path, own(column.*rows), column.width, column.label);
+}
+
+}  // namespace
+
+void Results::Impl::append_last_to(io::File& file) const {
+  append_rows(comm, file, last_times, last_stages, groups(), &Column::last);
+}
+
+void Results::Impl::append_to(io::File& file) {
+  append_rows(comm, file, times, stages, groups(), &Column::values);
+  last_times.swap(times), last_stages.swap(stages);
   times.clear(), stages.clear();
   for (auto* group : groups())
-    for (Column& column : *group) column.values.clear();
+    for (Column& column : *group) column.last.swap(column.values), column.values.clear();
 }
 
 // In the order of energy_columns. Work against friction and dashpots is not included.

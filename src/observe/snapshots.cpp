@@ -109,6 +109,7 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
       file.write<double>("surface/" + stage + "/top", own, 3,
                          {"m", "x, y of each cell, and z of the highest stone in the cell"});
     file.write<double>(pebbles + "/radius", stones.radius, 1, {"m", "of each pebble"});
+    if (!impl_->times.empty()) impl_->append_to(file);  // saves a flush
   });
 }
 

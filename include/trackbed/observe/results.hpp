@@ -119,8 +119,8 @@ io::File open_results(const par::Comm& comm, const std::string& path);
 // none. Throws InputError if it is damaged, not a file of results or has fewer rows. Collective.
 bool has_histories(const par::Comm& comm, const std::string& path, std::int64_t rows);
 
-// The file is replaced as a whole at every flush (copy, append, rename), so that it can be opened
-// even if the run is killed.
+// The file is whole at any time, also if the run is killed: changes are made to a second file,
+// which then takes its name.
 class Results {
  public:
   // `resume` continues the file of a stopped run, cut to `rows` history rows, without snapshots of

@@ -1,0 +1,153 @@
+// Rows of the histories in the file after any sequence of flushes, and the two files that take
+// turns.
+#include "trackbed/observe/results.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "support/scene.hpp"
+#include "unit/io/scratch.hpp"
+
+namespace trackbed::observe::results_test {
+namespace {
+
+// Results of a model without stones, whose rows have one wall of two forces.
+struct Model {
+  explicit Model(const std::string& file)
+      : path(file),
+        particles(par::Comm::world(), test::one_material({}, 2500), {},
+                  test::box(Vec3::Constant(-1), Vec3::Constant(1))),
+        results(par::Comm::world(), path, {.deck = "title = \"rows\"", .version = "0"}) {
+    results.begin(scene(), {}, {}, {});
+  }
+  Scene scene() const { return {.particles = particles, .stones = false}; }
+  void sample(int rows) {
+    for (int k = 0; k < rows; ++k, ++sampled) {
+      const WallState wall{.name = "wall", .force = Vec3(1, 2, sampled)};
+      Instant instant;
+      instant.time = 0.5 * sampled, instant.stage = sampled / 10;
+      instant.walls = std::span(&wall, 1);
+      results.sample(scene(), instant);
+    }
+  }
+  // Rows 0, 1, 2 and so on in the file.
+  void expect_rows(int rows) const {
+    const io::File file = open_results(par::Comm::world(), path);
+    const auto time = file.read_all<double>("history/time");
+    const auto force = file.read_all<double>("history/wall/wall/force");
+    ASSERT_EQ(time.size(), static_cast<std::size_t>(rows));
+    ASSERT_EQ(force.size(), 3 * time.size());
+    for (std::size_t k = 0; k < time.size(); ++k) {
+      EXPECT_EQ(time[k], 0.5 * static_cast<double>(k));
+      EXPECT_EQ(force[3 * k + 2], static_cast<double>(k));
+    }
+  }
+
+  std::string path;
+  dem::Particles particles;
+  Results results;
+  int sampled = 0;
+};
+
+// Number of the file on the disk.
+ino_t file_number(const std::string& path) {
+  struct stat status {};
+  EXPECT_EQ(stat(path.c_str(), &status), 0) << path;
+  return status.st_ino;
+}
+
+TEST(Results, HaveAllRowsAfterEachFlush) {
+  const io::Scratch scratch("rows");
+  Model run(scratch / "results.h5");
+  for (const int rows : {3, 1, 10, 0, 2, 7}) {
+    run.sample(rows);
+    run.results.flush();
+    run.expect_rows(run.sampled);
+  }
+  run.sample(4);
+  run.results.snapshot("rest", run.scene(), 0);
+  run.expect_rows(run.sampled);
+  for (const int rows : {5, 2}) {
+    run.sample(rows);
+    run.results.flush();
+    run.expect_rows(run.sampled);
+  }
+  EXPECT_TRUE(open_results(par::Comm::world(), run.path).has("chains/rest"));
+}
+
+// Otherwise each flush would copy all rows: the cost of a run would grow with the square of its
+// length.
+TEST(Results, ExchangeTwoFilesAtAFlush) {
+  const io::Scratch scratch("twins");
+  const std::string path = scratch / "results.h5", twin = path + ".part";
+  {
+    Model run(path);
+    run.sample(2);
+    run.results.flush();
+    const ino_t first = file_number(path), second = file_number(twin);
+    EXPECT_NE(first, second);
+    for (int flush = 0; flush < 4; ++flush) {
+      run.sample(3);
+      run.results.flush();
+      EXPECT_EQ(file_number(path), flush % 2 ? first : second);
+      EXPECT_EQ(file_number(twin), flush % 2 ? second : first);
+      par::Comm::world().barrier();
+    }
+  }
+  par::Comm::world().barrier();
+  EXPECT_FALSE(std::filesystem::exists(twin)) << "remains after the run";
+  EXPECT_TRUE(std::filesystem::exists(path));
+}
+
+// A reader who opened the file before two flushes reads the same rows afterwards.
+TEST(Results, LeaveAFileThatIsReadToItsReader) {
+  const io::Scratch scratch("reader");
+  const par::Comm world = par::Comm::world();
+  Model run(scratch / "results.h5");
+  run.sample(2);
+  run.results.flush();
+  int reader = -1;
+  if (world.root()) {
+    reader = open(run.path.c_str(), O_RDONLY);
+    ASSERT_EQ(flock(reader, LOCK_SH), 0);  // as HDF5 does
+  }
+  const auto contents = [&] {
+    struct stat status {};
+    fstat(reader, &status);
+    std::string bytes(static_cast<std::size_t>(status.st_size), 0);
+    EXPECT_EQ(pread(reader, bytes.data(), bytes.size(), 0), status.st_size);
+    return bytes;
+  };
+  const std::string before = world.root() ? contents() : "";
+  for (int flush = 0; flush < 3; ++flush) {
+    run.sample(3);
+    run.results.flush();
+    run.expect_rows(run.sampled);
+  }
+  if (world.root()) {
+    EXPECT_TRUE(contents() == before);
+    close(reader);
+  }
+}
+
+// For example by a user who removes what looks incomplete.
+TEST(Results, DoWithoutTheSecondFile) {
+  const io::Scratch scratch("removed");
+  const par::Comm world = par::Comm::world();
+  Model run(scratch / "results.h5");
+  for (int flush = 0; flush < 3; ++flush) {
+    run.sample(2);
+    run.results.flush();
+    run.expect_rows(run.sampled);
+    if (world.root()) std::filesystem::remove(run.path + ".part");
+    world.barrier();
+  }
+}
+
+}  // namespace
+}  // namespace trackbed::observe::results_test
