@@ -22,9 +22,9 @@ void HandoverParameters::declare(input::Section& s) {
   s.number("each", each, {.above = 0, .usually_to = 1e6},
            "Number of trains that each computed train represents; its settlement times this number "
            "gives the new geometry.");
-  s.number(
-      "load", load, {.unit = "N", .above = 0, .usually_from = 100, .usually_to = 1e6},
-      "Force on each seat in the static load test of the supports, in addition to seat_force.");
+  s.number("load", load, {.unit = "N", .above = 0, .usually_from = 100, .usually_to = 1e6},
+           "Peak force on each sleeper in the static load test of the supports, in addition to "
+           "seat_force.");
 }
 
 // The loop itself sets the geometry of the rails.

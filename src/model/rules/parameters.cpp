@@ -109,9 +109,9 @@ void Stage::declare_bodies(input::Section& s) {
 
 void Stage::declare_loads(input::Section& s) {
   s.number("seat_force", seat_force, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
-           "Constant force on each rail seat, downwards.");
+           "Constant force on each sleeper, downwards; of two seats of a sleeper each takes half.");
   s.number("load", load, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
-           "Peak force on each rail seat in addition to seat_force (load).");
+           "Peak force on each sleeper in addition to seat_force (load).");
   s.number("ramp", ramp, {.unit = "s", .at_least = 0},
            "Ramp time, at most half the duration; load: time of loading and of unloading; compact: "
            "time in which pressure and confinement change from those of the preceding stage; "

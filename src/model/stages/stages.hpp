@@ -30,7 +30,7 @@ class StageActions {
   // To be called after the sleepers have moved in a window.
   void move_train(const Stage& stage, const Clock& clock);
   const StageTrain& train() const { return train_; }
-  // Force on each rail seat, N downwards, `time` s after the stage began.
+  // Force on the seats of each sleeper, N downwards, `time` s after the stage began.
   std::vector<double> seat_forces(const Stage& stage, double time) const;
   // The same for both seats of each sleeper, if it has two: `sums` are those of seat_forces.
   std::vector<double> on_seats(const Stage& stage, double time,
