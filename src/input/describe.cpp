@@ -10,6 +10,7 @@
 #include <array>
 
 #include "input/limits.hpp"
+#include "input/lower.hpp"
 #include "input/spec.hpp"
 #include "trackbed/core/error.hpp"
 
@@ -140,9 +141,21 @@ const Spec* find(const Spec& spec, const std::string& path, std::vector<std::str
   return nullptr;
 }
 
+// A line for each section or parameter whose path or meaning contains `word`.
+void mention(const Spec& spec, const std::string& word, std::string& out) {
+  for (const Spec& part : spec.is_list() ? spec.element() : spec.parts) {
+    const std::string path = without_brackets(part.path);
+    if (lower(path + " " + part.meaning).find(word) != std::string::npos)
+      out += fmt::format("  {}{}: {}\n", path, part.unit == "-" ? "" : " (" + part.unit + ")",
+                         part.meaning);
+    if (is_group(part)) mention(part, word, out);
+  }
+}
+
 }  // namespace
 
-// All sections, one section or a single parameter, by the same path that overrides use.
+// All sections, one section or a single parameter, by the same path that overrides use; any other
+// word is looked for in all of them.
 std::string describe(const Declaration& declaration, const std::string& section) {
   const Spec root = collect(declaration, Lists::at_least_one_element);
   std::string out;
@@ -153,6 +166,9 @@ std::string describe(const Declaration& declaration, const std::string& section)
   std::vector<std::string> known;
   const Spec* found = find(root, without_brackets(section), known);
   if (found == nullptr) {
+    constexpr std::size_t shortest = 3;  // shorter words are in nearly every line
+    if (section.size() >= shortest) mention(root, lower(section), out);
+    if (!out.empty()) return fmt::format("\"{}\" occurs in\n{}", section, out);
     // Compared with whole paths, since the user typed a path.
     const std::string near = nearest(section, known);
     throw InputError({fmt::format("{} is not a section or parameter{}", section,

@@ -5,17 +5,17 @@
 #include <cctype>
 #include <numeric>
 
+#include "input/lower.hpp"
 #include "trackbed/input/deck.hpp"
 
 namespace trackbed::input {
 
-namespace {
-
-// Letters of names are ASCII.
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
 }
+
+namespace {
 
 // Insertions, deletions, replacements and swaps of neighbours that turn `a` into `b`
 // (Damerau 1964, doi:10.1145/363958.363994; restricted form, no letter is edited twice):

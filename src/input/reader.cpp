@@ -14,6 +14,7 @@
 
 #include "input/limits.hpp"
 #include "input/magnitudes.hpp"
+#include "input/units.hpp"
 
 namespace trackbed::input {
 
@@ -34,11 +35,13 @@ bool starts_like_a_number(const std::string& text) {
 }
 
 // The most frequent error after a wrong name is a unit in the value, or quotes around it. The
-// message then states the unit.
+// message then states the unit, and the value in it.
 std::string number_hint(const Node& node, const Limits& limits) {
   if (node.kind != Kind::text || !starts_like_a_number(node.text)) return "";
-  return limits.unit == "-" ? "; give a number without quotes"
-                            : fmt::format("; give a number in {}", limits.unit);
+  if (limits.unit == "-") return "; give a number without quotes";
+  const std::optional<double> value = in_unit(node.text, limits.unit);
+  return fmt::format("; give a number in {}{}", limits.unit,
+                     value ? fmt::format(": {:.10g}", *value) : "");
 }
 
 // As written in a deck: "a", "b" or "c".

@@ -19,7 +19,7 @@ SHORT = ["passage.duration=0.05", "train.start=25"]
 REFUSED = {
     "model=bed": 'must be "track"',
     "bed.height=0.3": "bed is not a section",
-    "rail.section=60E2": "must be \"46E3\", \"54E1\", \"60E1\" or \"CHN60\"",
+    "rail.section=60E2": "must be \"46E3\", \"54E1\", \"60E1\", \"UIC54\", \"UIC60\" or \"CHN60\"",
     'train.vehicles=["manchester"]': "did you mean manchester_1?",
     "train.vehicles=[]": "must name at least one vehicle",
     "train.start=61": "train.start = 61: is beyond the track, which is 60 m long",

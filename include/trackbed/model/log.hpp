@@ -14,6 +14,8 @@ namespace trackbed::model {
 // Both print on rank 0: a text as it is, and a line. A run whose log cannot be written continues.
 void print(const par::Comm& comm, const std::string& text);
 void say(const par::Comm& comm, const std::string& line);
+// "2 ranks", and a hint if they are more than the processors that they may use. Collective.
+std::string ranks_in_words(const par::Comm& comm);
 
 inline const char* plural_ending(std::int64_t count) { return count == 1 ? "" : "s"; }
 

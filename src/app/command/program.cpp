@@ -117,7 +117,9 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
   sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
   with_overrides(sub);
   sub = command("describe", "Print the reference of all parameters, or of one section", describe);
-  sub->add_option("section", arguments.section, "For example ground or stage");
+  sub->add_option(
+      "section", arguments.section,
+      "A section or parameter, for example ground or train.speed, or a word to look for");
   command("schema", "Print the JSON schema of decks", schema);
   sub = command("info", "Print the contents of a checkpoint or a results file", info);
   sub->add_option("file", arguments.file, "Checkpoint (or its folder) or results.h5")->required();

@@ -4,6 +4,8 @@
 
 #include <cstdio>
 
+#include "trackbed/par/processors.hpp"
+
 namespace trackbed::model {
 
 namespace {
@@ -25,6 +27,15 @@ void print(const par::Comm& comm, const std::string& text) {
 }
 
 void say(const par::Comm& comm, const std::string& line) { print(comm, line + "\n"); }
+
+std::string ranks_in_words(const par::Comm& comm) {
+  const par::Processors node = par::processors_of(comm);
+  return fmt::format("{} rank{}{}", comm.size(), plural_ending(comm.size()),
+                     node.too_few()
+                         ? fmt::format(" ({} of them share {} processor{}, which is slow)",
+                                       node.ranks, node.processors, plural_ending(node.processors))
+                         : "");
+}
 
 double Log::wall_time() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();

@@ -100,11 +100,10 @@ PassageScheme::PassageScheme(RunContext& run)
       histories_(built_.line, built_.train, whole_.track.passage.points,
                  whole_.track.passage.forces.size()) {
   if (whole_.below) whole_.below->time_with(run.timers);
-  const int ranks = run.comm.size();
-  say(run.comm, fmt::format("trackbed: {} on {} rank{}", run.name, ranks,
-                            ranks == 1     ? ""
-                            : whole_.below ? "s; the ground is distributed over them"
-                                           : "s, each of which computes the whole track"));
+  say(run.comm, fmt::format("trackbed: {} on {}{}", run.name, ranks_in_words(run.comm),
+                            run.comm.size() == 1 ? ""
+                            : whole_.below       ? "; the ground is distributed over them"
+                                                 : ", each of which computes the whole track"));
   for (const std::string& warning : introduce(run.comm, run.model, whole_, built_))
     run.course.warnings.push_back(warning);
 }

@@ -31,7 +31,7 @@ std::string words_of_springs(const fem::GroundParameters& ground) {
 void say_model(World& world, const std::string& name) {
   const par::Comm& comm = world.comm;
   const Model& model = world.model;
-  say_values(comm, "trackbed: {} on {} rank{}{}{}", name, comm.size(), plural_ending(comm.size()),
+  say_values(comm, "trackbed: {} on {}{}{}", name, ranks_in_words(comm),
              model.title.empty() ? "" : ": ", model.title);
   if (world.ground) {
     const fem::GroundTotals totals = world.ground->totals();

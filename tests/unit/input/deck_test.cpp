@@ -82,7 +82,7 @@ TEST(Deck, ReportsWhatAValueMustBe) {
             }));
   EXPECT_EQ(problems_of("[dem]\nskin = '5 mm'\nsafety = '0.5'\nlaw = 2020-01-01\n"),
             (Sentences{
-                "deck.toml:2: dem.skin = \"5 mm\" must be a number; give a number in m",
+                "deck.toml:2: dem.skin = \"5 mm\" must be a number; give a number in m: 0.005",
                 "deck.toml:3: dem.safety = \"0.5\" must be a number; give a number without quotes",
                 "deck.toml:4: dem.law = 2020-01-01 must be \"linear\" or \"hertz\"",
             }));

@@ -45,6 +45,8 @@ TEST(Reference, DescribesOneSection) {
             "\n  young = must be given Pa\n      number, above 0\n      Young's modulus.\n"
             "\n  depth = 1.0 m\n      number, above 0 and at most 100\n      Thickness.\n");
   EXPECT_NE(describe(declaration_of(e), "dem.skin").find("skin = 0.002 m"), std::string::npos);
+  EXPECT_EQ(describe(declaration_of(e), "Thick"),
+            "\"Thick\" occurs in\n  layer.depth (m): Thickness.\n");
   try {
     describe(declaration_of(e), "dme");
     ADD_FAILURE() << "an unknown section was described";
