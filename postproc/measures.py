@@ -179,7 +179,11 @@ def transition(results, wedge=0.0):
 
 
 def loading_frequencies(results):
-    """{name: Hz}: speed over distance of bogie centres and over wheelbase, from [load]."""
+    """{name: Hz}: speed over distance of bogie centres and over wheelbase, from [load]; empty if
+    the passage was that of a train on a rail."""
+    passages = [stage for stage in results.deck.get("stage", []) if stage.get("kind") == "passage"]
+    if passages and passages[-1].get("train", False):
+        return {}
     load = results.deck.get("load", {})
     axles, speed = np.asarray(load.get("axles", [])), load.get("speed", 0.0)
     found = {}
@@ -238,7 +242,7 @@ def table(runs):
         if moved_stones:
             lines.append("warning: differences in the comparison below may have other causes than "
                          "the wedge: see the warnings above")
-        lines += effect(*found)
+        lines += effect(*found, differ_by_wedge(*runs))
     return "\n".join(lines) + "\n"
 
 
@@ -272,10 +276,18 @@ def warnings(results):
         for x, left in zip(results.sleepers_x, kept - sunk) if abs(left) > LASTING]
 
 
-def _verdict(change, wanted):
-    """`change`: relative; `wanted`: its sign under a wedge."""
+def differ_by_wedge(first, second):
+    """Whether the first run has blocks of the ground that the second is without, and no other
+    difference of blocks."""
+    return set(blocks(first)) > set(blocks(second))
+
+
+def _verdict(change, wanted, by_wedge):
+    """`change`: relative; `wanted`: its sign under a wedge, in the first run only."""
     if abs(change) <= CLEAR:
         return f"no clear effect (within {CLEAR:.0%})"
+    if not by_wedge:
+        return "of the first run relative to the second; their grounds differ by no absent block"
     return f"{'as' if change * wanted > 0 else 'NOT as'} expected of a wedge"
 
 
@@ -284,8 +296,8 @@ def _change(a, b):
     return a / b - 1 if b and np.isfinite(a) and np.isfinite(b) else NOWHERE
 
 
-def effect(first, second):
-    """Messages on the differences between the first run, with wedge, and the second, without."""
+def effect(first, second, by_wedge):
+    """Messages on the differences between two runs; `by_wedge`: only the first has a wedge."""
     lines = []
     far = _change(first.far_displacement, second.far_displacement)
     differs = np.isfinite(far) and abs(far) > CLEAR
@@ -303,12 +315,13 @@ def effect(first, second):
         # The width refers to the plain track and is meaningless if that differs.
         unclear = differs and field == "width"
         lines.append(f"{what}: {change:+.0%}: " + (
-            "no verdict, since the plain tracks differ" if unclear else _verdict(change, wanted)))
+            "no verdict, since the plain tracks differ" if unclear
+            else _verdict(change, wanted, by_wedge)))
     # A jump may be near zero, so its change is relative to the stress itself.
     if second.stress_level:
         change = (first.stress_jump - second.stress_jump) / abs(second.stress_level)
         lines.append(f"stress jump: {change:+.0%} of the stress at the edge: "
-                     f"{_verdict(change, -1)}")
+                     f"{_verdict(change, -1, by_wedge)}")
     return lines
 
 

@@ -186,6 +186,12 @@ def test_spectrum_peaks_where_the_sine_is(frequency):
     assert signals.peak_near(hertz, amplitude, 3 * frequency, reach=0.001) is None
 
 
+def test_a_train_has_no_marks_of_the_load_section(runs):
+    deck = dict(runs[0].deck, stage=[dict(stage, train=stage["kind"] == "passage")
+                                     for stage in runs[0].deck["stage"]])
+    assert measures.loading_frequencies(dataclasses.replace(runs[0], deck=deck)) == {}
+
+
 def test_seat_load_spectrum_shows_bogies_and_wheels(runs):
     marks = measures.loading_frequencies(runs[0])
     assert marks == pytest.approx({"v/L_c": 2.5, "v/L_w": 8.0})
@@ -295,7 +301,7 @@ def test_residual_displacement_of_sleepers_is_reported(runs):
     for both in ([bad, runs[1]], [runs[1], bad]):
         text = measures.table(both)
         assert text.index(lines[0]) < text.index("may have other causes than the wedge") \
-            < text.index("expected of a wedge")
+            < text.index("expected of a wedge" if both[0] is bad else "relative to the second")
 
 
 def test_settlement_of_ground_is_not_attributed_to_stones(runs):
@@ -343,7 +349,15 @@ def test_table_distinguishes_the_wedge_from_its_opposite(runs):
     assert "NOT" not in text and text.count("as expected of a wedge") == 4
     assert "so the runs are comparable" in text
     assert "-71.4%" in text  # jump 20 against 70 kPa
-    assert measures.table(runs[::-1]).count("NOT as expected of a wedge") == 4
+    x = runs[0].ground_x
+    worse = [with_ground(run, displacement_min=made.ground_displacement(x, wedge),
+                         sigma_z_min=made.ground_stress(x, wedge))
+             for run, wedge in zip(runs, (False, True))]
+    assert measures.table(worse).count("NOT as expected of a wedge") == 4
+    # The run without wedge first: a wedge cannot be judged.
+    assert "expected of a wedge" not in measures.table(runs[::-1])
+    assert "expected of a wedge" not in measures.table([runs[0], with_ground(
+        runs[0], displacement_min=2 * made.ground_displacement(runs[0].ground_x, True))])
 
 
 def test_small_changes_have_no_verdict(runs):

@@ -311,6 +311,8 @@ def check_single_cases(program, deck):
              (["check", deck, "ground.integrator=newmark"], 0, "one implicit step per window"),
              (["check", deck], 0,
               "sleeper: mass 156 kg, 6 contacts with stones, stiffness 2e+07 N/m each"),
+             (["check", deck, "load.axles=[]"], 2,
+              'load.axles = []: must be given for the stage "passage" of kind passage'),
              (["describe", "stage"], 0, "passage"), (["schema"], 0, "2020-12"),
              (["run", deck, "-o", "/proc/nowhere"], 2, "result folder"),
              (["run", deck, "-o", PROBLEMS], 2, "is not a folder")]

@@ -13,7 +13,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
 from results import datasets, same_datasets  # noqa: E402
 
-SEATS = "train.vehicles=[] passage.loaded_by=seats"
+SEATS = "train.vehicles=[] passage.loaded_by=seats load.axles=[0,2.8,9.0,11.8]"
 SHORT = ["passage.duration=0.05", "train.start=25"]
 # Changes of the plain deck and a part of the refusal.
 REFUSED = {

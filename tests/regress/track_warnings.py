@@ -39,8 +39,8 @@ secondary_stiffness = 1e6
 bogie_distance = 18
 wheelbase = 2.5
 """
-SEATS = ["train.vehicles=[]", "passage.loaded_by=seats", "irregularity.kind=none",
-         "irregularity.fade=10", "train.start=10"]
+SEATS = ["train.vehicles=[]", "passage.loaded_by=seats", "load.axles=[0, 2.8, 9.0, 11.8]",
+         "irregularity.kind=none", "irregularity.fade=10", "train.start=10"]
 OWN = ['train.vehicles=["own"]']
 TWO_RAILS = ["track.dimension=space", *OWN]
 NO_TRAIN = ["train.vehicles=[]", "passage.duration=0.1"]

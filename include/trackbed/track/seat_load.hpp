@@ -20,7 +20,7 @@ struct SeatLoadParameters {
   SeatLoadKind kind = SeatLoadKind::winkler;
   double peak = 71.1e3;                             // N, of a single axle
   double speed = 18.6667;                           // m/s
-  std::vector<double> axles = {0, 2.8, 9.0, 11.8};  // m behind the first axle
+  std::vector<double> axles;  // m behind the first axle
   double start = 0;        // m, x of the first axle at the start of the passage
   double decay = 1.54257;  // 1/m, b of winkler
   double ratio = 0.5531;   // X of power

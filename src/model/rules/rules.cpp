@@ -212,13 +212,21 @@ void declare_begin(const Model& model, const Stage& stage, const input::About& a
       {.severity = input::Severity::warning, .reads = about.reads});
 }
 
-// Missing axles or sleepers are reported elsewhere; a table of loads has its own times and no
-// axles.
+// Missing sleepers are reported elsewhere; a table of loads has its own times and no axles. No
+// axles are assumed: a user who forgets them would see the effect of a vehicle that he does not
+// know.
 void declare_passages(const Model& model, input::Section& s) {
   const auto& load = model.load;
-  if (load.is_table() || load.axles.empty() || model.sleepers.count < 1) return;
+  if (load.is_table() || model.sleepers.count < 1) return;
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     if (model.stages[i].kind != StageKind::passage || model.stages[i].train) continue;
+    s.rule("load.axles", !load.axles.empty(),
+           fmt::format("must be given for the stage \"{}\" of kind passage: the distance of each "
+                       "axle behind the first in m, for example [0, 2.8] for a bogie; or set train "
+                       "= true for a vehicle on a rail",
+                       model.stages[i].name),
+           {.reads = {"load", "stage"}});
+    if (load.axles.empty()) return;
     const std::string duration = fmt::format("stage[{}].duration", i);
     const input::About about{
         .reads = {"load", "sleepers.count", "sleepers.first", "sleepers.spacing", duration}};

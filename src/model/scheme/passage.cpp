@@ -44,11 +44,11 @@ void print_results(const par::Comm& comm, const TrackModel& model, const BuiltTr
                           model.passage.points[i / sides], words_of_lowest(lowest[i])));
   if (!wheels.any) return;
   const Range open = between_run_ins(model.line.track);
-  say(comm,
-      fmt::format("  wheel forces: {:.2f} to {:.2f} kN{}", wheels.least / 1e3, wheels.most / 1e3,
-                  open.from > 0
-                      ? fmt::format(", between the run-ins ({:g} to {:g} m)", open.from, open.to)
-                      : ""));
+  say(comm, fmt::format("  wheel forces: {:.2f}{} to {:.2f} kN{}", wheels.least / 1e3,
+                        wheels.least > 0 ? "" : " (off the rail)", wheels.most / 1e3,
+                        open.from > 0 ? fmt::format(", between the run-ins ({:g} to {:g} m)",
+                                                    open.from, open.to)
+                                      : ""));
 }
 
 // Hash of the whole motion, to compare runs bitwise.
@@ -152,8 +152,9 @@ void PassageScheme::record_step() {
 
 std::string PassageScheme::status() {
   if (built_.train.wheels().empty()) return "";
-  return fmt::format("first wheel at {:.2f} m, {:.2f} kN", built_.passage.wheel_x(0),
-                     built_.passage.wheel_force(0) / 1e3);
+  const double force = built_.passage.wheel_force(0);
+  return fmt::format("first wheel at {:.2f} m, {}", built_.passage.wheel_x(0),
+                     force > 0 ? fmt::format("{:.2f} kN", force / 1e3) : "off the rail");
 }
 
 void PassageScheme::end_stage() {

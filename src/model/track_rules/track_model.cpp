@@ -41,6 +41,10 @@ void declare_seats(const TrackModel& model, input::Section& s) {
          "needs a rail, which seat loads replace (passage.loaded_by = \"seats\")", about);
   s.rule("track.support", model.line.track.support == track::Support::sleepers,
          "must be \"sleepers\" if seat loads are applied (passage.loaded_by)", about);
+  s.rule("load.axles", model.load.is_table() || !model.load.axles.empty(),
+         "must be given with passage.loaded_by = \"seats\": the distance of each axle behind the "
+         "first in m, for example [0, 2.8] for a bogie",
+         about);
   s.rule("track.ends", model.line.track.ends == track::RailEnds::pinned,
          "must be \"pinned\" if seat loads are applied (passage.loaded_by): they replace the "
          "rail, so that its ends have no effect",

@@ -66,7 +66,8 @@ void SeatLoadParameters::declare(input::Section& s) {
   s.number("speed", speed, {.unit = "m/s", .above = 0, .usually_from = 0.1, .usually_to = 98},
            "Speed of the axles along x.");
   s.numbers("axles", axles, {.unit = "m", .at_least = 0, .usually_to = 500},
-            "Distance of each axle behind the first (winkler, power).");
+            "Distance of each axle behind the first, for example [0, 2.8] for a bogie (winkler, "
+            "power).");
   s.number("start", start, {.unit = "m"},
            "x of the first axle at the start of the passage (winkler, power).");
   s.number("decay", decay, {.unit = "1/m", .above = 0, .usually_from = 0.1, .usually_to = 10},
@@ -84,7 +85,6 @@ void SeatLoadParameters::declare(input::Section& s) {
            "Distance between the two seats of a sleeper, each with a column: sleeper_0_left, "
            "sleeper_0_right and so on (seats, on a three-dimensional bed); 0: one seat in the "
            "middle.");
-  s.rule("axles", is_table() || !axles.empty(), "must contain at least one axle");
   s.rule("ratio", ratio < 1, "must be below 1");
   s.rule("gauge", gauge == 0 || kind == SeatLoadKind::seats,
          "needs kind = \"seats\", whose table has columns of both seats");

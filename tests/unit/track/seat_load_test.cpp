@@ -17,7 +17,8 @@ constexpr double rounding = 1e-12;  // relative, a few operations in double prec
 constexpr double v = 67.2 / 3.6;    // m/s
 
 SeatLoadParameters locomotive() {
-  SeatLoadParameters p;  // the defaults are those of the locomotive
+  SeatLoadParameters p;
+  p.axles = {0, 2.8, 9.0, 11.8};
   p.speed = v;
   return p;
 }
