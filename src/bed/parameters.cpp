@@ -82,8 +82,8 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
   s.number("pebble_spacing", bed.pebble_spacing, {.unit = "radii", .at_least = 0.05, .at_most = 3},
            "Largest distance between neighbouring disks along the border of a stone (pebbles).");
   s.integer("shapes", bed.shapes, {.at_least = 1, .at_most = 10000},
-            "Number of different shapes. Pebbles: each represents the same fraction of the mass; "
-            "three-dimensional stones: each occurs in all sizes.");
+            "Number of different shapes. Pebbles: each shape has one size, and all represent equal "
+            "fractions of the mass; three-dimensional stones: each shape occurs in all sizes.");
   s.number("elongation", bed.elongation, {.above = 0, .at_most = 1},
            "Elongation: smallest width divided by largest extent of an outline (pebbles).");
   s.number("angularity", bed.angularity, {.at_least = 0, .at_most = 1},
@@ -102,13 +102,13 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
   // Offset inwards by a radius on both sides, the smallest outline keeps a third of its width.
   s.rule("pebble_radius",
          !pebbles || bed.sieve.empty() || 3 * bed.pebble_radius <= 1e-3 * bed.sieve.front(),
-         fmt::format("must be at most a third of the smallest sieve ({:g} mm)",
-                     bed.sieve.empty() ? 0 : bed.sieve.front()));
+         fmt::format("must be at most {:.4g} m (a third of the smallest sieve)",
+                     bed.sieve.empty() ? 0 : 1e-3 * bed.sieve.front() / 3));
   s.rule("pebble_radius",
          !pebbles || bed.sieve.empty() || 1e4 * bed.pebble_radius >= 1e-3 * bed.sieve.back(),
-         fmt::format("must be at least 1e-4 of the largest sieve ({:g} mm): smaller disks only "
+         fmt::format("must be at least {:.4g} m (1e-4 of the largest sieve): smaller disks only "
                      "increase their number",
-                     bed.sieve.empty() ? 0 : bed.sieve.back()));
+                     bed.sieve.empty() ? 0 : 1e-7 * bed.sieve.back()));
   bool radii = true;
   for (std::size_t k = 3; k < bed.clump.size(); k += 4) radii = radii && bed.clump[k] > 0;
   s.rule("clump", bed.clump.size() % 4 == 0, "must list x, y, z and radius of each sphere");
@@ -158,8 +158,8 @@ void BedParameters::declare(input::Section& s) {
             "horizontally within the crest and to `slope` outside it; none: horizontally "
             "everywhere.");
   s.number("slope", slope, {.unit = "-", .above = 0, .usually_from = 1, .usually_to = 4},
-           "Slope of the sides beyond the crest, horizontal to vertical; below 1 few stones are "
-           "stable.");
+           "Slope of the sides beyond the crest, horizontal to vertical; slopes steeper than 1:1 "
+           "(below 1) are rarely stable.");
   s.rule("crest", crest.empty() || is_range(crest), "must be two increasing numbers",
          {.reads = {"crest"}});
   s.rule("crest", !is_range(crest) || !is_range(y) || (crest[0] >= y[0] && crest[1] <= y[1]),
@@ -167,7 +167,7 @@ void BedParameters::declare(input::Section& s) {
   s.file(
       "cell", cell,
       "Checkpoint of a cell, that is, of a bed that is periodic in x, at the end of a stage: a "
-      "file stage_*.h5, or a result folder, whose `latest` then names the file. The stage fill "
+      "file stage_*.h5, or a result folder, whose latest checkpoint is then used. The stage fill "
       "places copies of the stones of the cell side by side along x instead of generating stones.",
       input::FileRole::origin);
   auto fixed_container = s.fixed_by(input::state::any);

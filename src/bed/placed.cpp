@@ -161,7 +161,7 @@ void PlateParameters::declare(input::Section& s) {
             "from behind ends the run.",
             3);
   s.numbers("size", size, {.unit = "m", .above = 0},
-            "Side lengths of the plate; in a plane only the first is used.", 2);
+            "Side lengths of the plate; a plane model uses only the first.", 2);
   s.numbers("edge", edge, {.unit = "-"},
             "Direction of the first side of the plate; its component along the normal is ignored; "
             "zero: x, or y if the normal is along x (space).",
@@ -183,8 +183,8 @@ void BoxParameters::declare(input::Section& s) {
   s.numbers("high", high, {.unit = "m"},
             "Corner of the box with largest x, y, z, before the rotation about its centre.", 3);
   s.choice("side", side, {"inside", "outside"},
-           "Side on which the stones are; inside: a container; outside: a body. In a plane the box "
-           "has no faces across y.");
+           "Side on which the stones are; inside: a container; outside: a body. In a plane model "
+           "the box has no faces normal to y.");
   declare_turn(axis, angle, s);
   s.numbers("velocity", velocity, {.unit = "m/s"},
             "Velocity of the box, constant and independent of the forces.", 3);

@@ -72,10 +72,12 @@ Reader::Reader(const Node& root, std::string folder, std::vector<ParameterInfo> 
 
 // An absent value leaves the variable unchanged: its default is the initial value of the struct.
 void Reader::number(std::string_view name, double& value, const Limits& limits, std::string_view) {
-  if (const Node* node = find(name))
+  if (const Node* node = find(name)) {
     take_number(*node, path_of(name), limits, value);
-  else if (limits.required)
-    missing(name, std::string(limits.unit));
+    return;
+  }
+  if (limits.required) return missing(name, std::string(limits.unit));
+  keep_default(name, make_number(value));
 }
 
 // TOML distinguishes 5 from 5.0. A number without a fraction is accepted as an integer if a double
@@ -84,8 +86,8 @@ void Reader::integer(std::string_view name, std::int64_t& value, const Limits& l
                      std::string_view) {
   const Node* node = find(name);
   if (node == nullptr) {
-    if (limits.required) missing(name, std::string(limits.unit));
-    return;
+    if (limits.required) return missing(name, std::string(limits.unit));
+    return keep_default(name, make_integer(value));
   }
   constexpr double exact_to = 9007199254740992.0;  // 2^53: 1e6 is accepted as an integer
   std::int64_t whole = node->integer;
@@ -102,7 +104,7 @@ void Reader::integer(std::string_view name, std::int64_t& value, const Limits& l
 
 void Reader::flag(std::string_view name, bool& value, std::string_view) {
   const Node* node = find(name);
-  if (node == nullptr) return;
+  if (node == nullptr) return keep_default(name, make_flag(value));
   if (node->kind != Kind::flag) return reject(*node, path_of(name), "must be true or false");
   value = node->flag;
 }
@@ -112,8 +114,8 @@ void Reader::text(std::string_view name, std::string& value, std::string_view,
                   const std::vector<std::string_view>& choices, bool required) {
   const Node* node = find(name);
   if (node == nullptr) {
-    if (required) missing(name, "-");
-    return;
+    if (required) return missing(name, "-");
+    return keep_default(name, make_text(value));
   }
   if (!choices.empty() &&
       (!is_text(*node) || std::find(choices.begin(), choices.end(), node->text) == choices.end()))
@@ -131,6 +133,7 @@ void Reader::file(std::string_view name, std::string& value, std::string_view, F
   const Node* node = find(name);
   if (node != nullptr && !is_text(*node))
     return reject(*node, path_of(name), "must be the name of a file (in quotes)");
+  if (node == nullptr) keep_default(name, make_text(value));
   // An empty name means none, so that a deck can disable a default file.
   const std::string given = node != nullptr ? node->text : value;
   if (given.empty()) {
@@ -160,8 +163,10 @@ void Reader::numbers(std::string_view name, std::vector<double>& values, const L
                      std::string_view, std::size_t length) {
   const Node* node = find(name);
   if (node == nullptr) {
-    if (limits.required) missing(name, std::string(limits.unit));
-    return;
+    if (limits.required) return missing(name, std::string(limits.unit));
+    std::vector<Node> items;
+    for (const double item : values) items.push_back(make_number(item));
+    return keep_default(name, make_list(std::move(items)));
   }
   const std::string what =
       length == 0 ? "a list of numbers" : fmt::format("a list of {} numbers", length);
@@ -179,7 +184,11 @@ void Reader::numbers(std::string_view name, std::vector<double>& values, const L
 
 void Reader::texts(std::string_view name, std::vector<std::string>& values, std::string_view) {
   const Node* node = find(name);
-  if (node == nullptr) return;
+  if (node == nullptr) {
+    std::vector<Node> items;
+    for (const std::string& item : values) items.push_back(make_text(item));
+    return keep_default(name, make_list(std::move(items)));
+  }
   std::vector<std::string> found;
   if (node->is_list())
     for (const Node& item : node->items)
@@ -189,16 +198,24 @@ void Reader::texts(std::string_view name, std::vector<std::string>& values, std:
   values = std::move(found);
 }
 
+// As `describe` shows it.
+void Reader::keep_default(std::string_view name, const Node& value) {
+  defaults_[path_of(name)] = shown(value);
+}
+
 // Skipped if a value that it uses was rejected, so that one error causes one message.
 void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
                   const About& about) {
   if (holds || has_rejected(about)) return;
-  // A rule refers to its value if the file has one, else to the section.
+  // A rule refers to its value if the file has one, else to the section; a default is shown too.
   const Node* section = open_.back().node;
   const Place place = section != nullptr ? follow(*section, name) : Place{nullptr, false};
-  const std::string rest = fmt::format(
-      "{}: {}", place.reached && place.node->is_value() ? " = " + shown(*place.node) : "",
-      sentence);
+  std::string value;
+  if (place.reached && place.node->is_value())
+    value = fmt::format(" = {}", shown(*place.node));
+  else if (const auto kept = defaults_.find(path_of(name)); kept != defaults_.end())
+    value = fmt::format(" = {} (default)", kept->second);
+  const std::string rest = fmt::format("{}: {}", value, sentence);
   if (about.severity == Severity::warning) return problems_.warn(place.node, path_of(name) + rest);
   // The parameter counts as rejected, so that other rules that use it do not report the same
   // problem.
@@ -245,11 +262,13 @@ bool Reader::take_number(const Node& node, const std::string& path, const Limits
                         large || !within(limits, 0) ? "" : ", or 0"));
     return false;
   }
-  if (!usual(limits, found))
-    problems_.warn(&node, fmt::format("{} = {} is far from the usual values ({}{}); is its unit "
-                                      "right?",
-                                      path, shown(found), usual_in_words(limits),
-                                      limits.unit == "-" ? "" : fmt::format(" {}", limits.unit)));
+  if (!usual(limits, found)) {
+    const bool has_unit = limits.unit != "-" && !limits.unit.empty();
+    problems_.warn(
+        &node, fmt::format("{} = {} is far from the usual values ({}{}{}){}", path, shown(found),
+                           usual_in_words(limits), has_unit ? " " : "", has_unit ? limits.unit : "",
+                           has_unit ? "; is its unit right?" : ""));
+  }
   value = found;
   return true;
 }

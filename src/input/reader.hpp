@@ -6,6 +6,7 @@
 // section that no call looked up are unknown and are reported when the section is left.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,8 @@ class Reader : public Section {
   std::string path_of(std::string_view name) const;
   void problem(const Node* place, const std::string& path, const std::string& rest);
   bool has_rejected(const About& about) const;
+  // Of a parameter that the file does not set, for rules about it.
+  void keep_default(std::string_view name, const Node& value);
   // "dem.skin = 5 must be ..."
   void reject(const Node& node, const std::string& path, const std::string& must);
   void missing(std::string_view name, const std::string& unit);
@@ -88,6 +91,7 @@ class Reader : public Section {
   std::vector<Frame> open_;
   std::vector<Unknown> unknown_;
   std::vector<std::string> sections_;  // names known at the top of the deck, after the visit
+  std::map<std::string, std::string> defaults_;  // path -> value as shown
   // A rule is skipped if it uses one of these.
   std::vector<std::string> rejected_;  // paths of rejected values
 };

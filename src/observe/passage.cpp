@@ -149,7 +149,7 @@ void PassageHistories::archive(io::Archive& a) {
   a("history/time", times_, {"s", "simulated time"});
   if (!lowest_.empty())
     a.rows("extreme/rail/displacement", lowest_,
-           {"m", "lowest of all steps up to now, also of those without a row"});
+           {"m", "lowest of all time steps up to now, including those without a history row"});
   envelope_.archive(a);
   for (Column& column : columns_) {
     if (column.width == 0) continue;

@@ -65,7 +65,7 @@ REFUSED = {
 # Change of the deck -> part of the warning.
 WARNED = {
     f"{HALF} ground.block.half.y=[-3,0]": "is cut off where it extends beyond the ground (y",
-    "pressure.surcharge.duration=1": "has no effect with this course",
+    "pressure.surcharge.duration=1": 'has no effect with course = "dead"',
     "pressure.plate.begin=1": "is after the end of the last stage at 0.04 s",
     "time.substeps=2": "has no effect without stones",
     "stage.blow.lift=0.5": "has no effect: it is for stages of kind release",

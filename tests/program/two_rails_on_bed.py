@@ -31,15 +31,15 @@ BRIEF = ["solid.alpha=0", "stage.sleepers.duration=0.014", "stage.load.duration=
          "train.speed=120", "irregularity.depth=1e-4", "track.run_in=1", "seat.before=3",
          "irregularity.at=1.4", "irregularity.length=0.8", "output.history_interval=1e-4"]
 REFUSED = {
-    "seat.rails=1": "seat.rails = 1: must be 2 below two rails",
+    "seat.rails=1": 'seat.rails = 1: must be 2 if track.dimension = "space"',
     "track.gauge=0.6": "must be below the length of the bed's sleepers, which is 0.5 m",
-    "track.sleeper_length=0.2": "must be above the gauge of 0.3 m: rails rest on the sleepers",
-    "sleepers.model=solid": "solid.seats: must be [0.15, -0.15] below two rails",
+    "track.sleeper_length=0.2": "track.gauge = 0.3 m: rails rest on the sleepers",
+    "sleepers.model=solid": "solid.seats = [0.0] (default): must be [0.15, -0.15] below two rails",
     "sleepers.model=solid solid.seats=[-0.1,0.15] solid.seat_size=[0.15,0.1]":
         "must be [0.15, -0.15] below two rails",
     f"{' '.join(SOLID)} track.gauge=0.32": "must be [0.16, -0.16] below two rails",
     f"{' '.join(SOLID)} solid.half=true": "solid.half = true: must be false below two rails",
-    f"{' '.join(SOLID)} seat.rails=1": "seat.rails = 1: must be 2 below two rails",
+    f"{' '.join(SOLID)} seat.rails=1": 'seat.rails = 1: must be 2 if track.dimension = "space"',
     "handover.after=sleepers irregularity.kind=none irregularity_right.kind=vee":
         "irregularity_right.kind = \"vee\": must be \"none\" in a deck with [handover]",
     f"{' '.join(SOLID)} handover.after=sleepers irregularity.kind=none":

@@ -25,15 +25,17 @@ REFUSED = {
     "footing.before=3": "at 1.8 m from the start of the track, within the run-in of 2.4 m",
     "track.length=9": "the last sleeper on the ground is at 7.2 m from",
     "ground.present=false": "must be true for model = \"track_on_ground\"; without a ground",
-    "ground.integrator=hht": 'must be "explicit" or "newmark" below a track',
+    "ground.integrator=hht": 'must be "explicit" or "newmark" with model = "track_on_ground"',
     "ground.integrator=newmark ground.newmark_gamma=0.6 ground.newmark_beta=0.3025":
-        "ground.newmark_beta = 0.3025: must be 0.25, and ground.newmark_gamma 0.5, below a track",
+        "ground.newmark_beta = 0.3025: must be 0.25, and ground.newmark_gamma 0.5, with model = ",
     "ground.integrator=newmark ground.newmark_beta=0.3":
-        "below a track: the track is integrated with average acceleration",
+        'model = "track_on_ground": the track is integrated with average acceleration',
     "ground.layer.soil.yield=mohr_coulomb": "must not yield below a track without stones",
     "track.support=continuous": 'must be "sleepers": the ground is below the ballast',
-    "track.dimension=space": "footing.rails: must be 2 below two rails",
-    "track.dimension=space footing.rails=1.5": "footing.rails = 1.5: must be 2 below two rails",
+    "track.dimension=space":
+        'footing.rails = 1.0 (default): must be 2 if track.dimension = "space"',
+    "track.dimension=space footing.rails=1.5":
+        'footing.rails = 1.5: must be 2 if track.dimension = "space"',
     "track.dimension=space footing.rails=2":
         "footing.length = 1.4: is less than a sleeper's length (track.sleeper_length = 2.6 m)",
     "track.dimension=space footing.rails=2 dimension=plane footing.length=1.3 footing.y=0":

@@ -71,7 +71,7 @@ REFUSED = [
      "force[0].frequency = 4000.0: gives periods of 0.00025 s"),
     (["irregularity.shortest=1e-5"], "", "irregularity.shortest = 1e-05: gives 1.2e+08 samples"),
     ([], VEHICLE.format('like = "hxd1_unit"\nbody_mass = 30e3'),
-     "vehicle[0].body_mass = 30000.0: has no effect on a vehicle of this kind"),
+     "vehicle[0].body_mass = 30000.0: has no effect: it is for vehicles of kind coach or sprung"),
     ([], VEHICLE.format('like = "manchester"'), 'must be "", "manchester_1", "alfa_pendular"'),
     ([], VEHICLE.format('like = "manchester_1"\nkind = "wheel"'), "named by `like` (manchester_1)"),
     ([], VEHICLE.format('like = "hxd1_unit"\nkind = "coach"'), "named by `like` (hxd1_unit)"),
@@ -84,7 +84,8 @@ REFUSED = [
     ([], VEHICLE.format(COACH.replace("= 18", "= 2.5")),
      "vehicle[0].bogie_distance = 2.5: must exceed the wheelbase of 2.5 m"),
     (["track.dimension=space", "track.gauge=1.9", "track.sleeper_length=1.6"], "",
-     "track.sleeper_length = 1.6: must be above the gauge of 1.9 m: rails rest on the"),
+     "track.sleeper_length = 1.6: must be above the distance of the rail centrelines, track.gauge "
+     "= 1.9 m: rails rest on the sleepers"),
     # 30 t of body on 8 t of bogies and wheelsets tip over with 38/30 of half the gauge.
     (TWO_RAILS, VEHICLE.format(COACH.replace("= 20", "= 21") + "body_offset = -0.951\n"),
      "vehicle[0].body_offset = -0.951: tips the vehicle over: on rails 1.5 m apart (track.gauge) "
@@ -98,7 +99,7 @@ WARNED = [
     (["passage.duration=0.1"], FORCE.replace("5", "60"), "the force has no effect"),
     (["passage.duration=0.1"], FORCE.replace("5", "0"), "which is pinned (track.ends)"),
     (["track.dimension=space", "irregularity_right.kind=spectrum"], "",
-     "irregularity_right.seed: is that of the left rail (1): both profiles"),
+     "irregularity_right.seed = 1 (default): is that of the left rail (1): both profiles"),
     (['train.vehicles=["hxd1_unit"]', "wheel_rail.flat_axle=1", "wheel_rail.flat_length=0.05"], "",
      "is an axle of constant force, which does not roll"),
     ([], VEHICLE.format('like = "manchester_1"'),
@@ -135,7 +136,7 @@ WARNED = [
     ([], ZONE.format(30.1, 30.2, "rail = 2"), "does not contain the middle of any rail element"),
     ([], ZONE.format(0, 60, "bed = 0"), "leaves no support of the rail between its pinned ends"),
     (["irregularity.kind=none", "irregularity.depth=1e-3", "irregularity.at=20"], "",
-     "irregularity.at = 20: has no effect with this irregularity.kind"),
+     'irregularity.at = 20: has no effect with irregularity.kind = "none"'),
     (["irregularity.kind=versine", "irregularity.at=70"], "",
      "puts the irregularity outside of the track"),
     (["irregularity.fade=0"], "", "the random profile begins with a step at x = 0"),
@@ -188,7 +189,7 @@ WARNED = [
      "end of the run (0.2 s"),
     (["train.start=-1e6"], "", "train.start = -1000000 is far from the usual values (-500 to"),
     ([], VEHICLE.format('kind = "wheel"\nlength = 2\nwheelset_mass = 1e3\nbody_mass = 1e3'),
-     "vehicle[0].body_mass = 1000.0: has no effect on a vehicle of this kind"),
+     "vehicle[0].body_mass = 1000.0: has no effect: it is for vehicles of kind coach or sprung or"),
 ]
 # Parameters with a value, and words of the command line that leave them without effect; and those
 # that give them one.

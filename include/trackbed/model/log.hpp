@@ -17,6 +17,10 @@ void say(const par::Comm& comm, const std::string& line);
 // "2 ranks", and a hint if they are more than the processors that they may use. Collective.
 std::string ranks_in_words(const par::Comm& comm);
 
+std::string clock_words(double seconds);  // h:mm:ss
+// Wall time, s, of an estimate: above 100 s as h:mm:ss.
+std::string estimate_words(double seconds);
+
 inline const char* plural_ending(std::int64_t count) { return count == 1 ? "" : "s"; }
 
 // Of wall time between lines. A line costs sums over all contacts: at intervals of wall time their

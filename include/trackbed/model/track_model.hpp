@@ -31,8 +31,8 @@ struct TrackModel {
   std::size_t sleepers() const;  // of the track
   // m, where the first axle finally stops if the last one is then still on the track.
   std::optional<double> stop() const;
-  // Whether every parameter has its default.
-  bool untouched() const;
+  // Names of the sections in which a parameter does not have its default.
+  std::vector<std::string> given_sections() const;
 
  private:
   void declare_train_and_contact(input::Section& s);

@@ -20,6 +20,7 @@ double rms_of(Spectrum spectrum, double shortest, double longest);
 // weld or joint; waves: versines one after the other; same: the right rail has the irregularity of
 // the left one.
 enum class IrregularityKind { none, versine, vee, joint, waves, spectrum, file, same };
+std::string_view word_of(IrregularityKind kind);  // as in decks
 
 struct IrregularityParameters {
   IrregularityKind kind = IrregularityKind::none;

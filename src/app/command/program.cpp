@@ -53,7 +53,7 @@ void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
       ->check(CLI::Range(0.1, 0.995))
       ->capture_default_str();
   sub->add_option("--spread", shapes.stone.spread,
-                  "Scatter of elongation and flatness of the stones, +-")
+                  "Half-width of the distributions of elongation and flatness of the stones")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
   sub->add_option("--angularity", shapes.stone.angularity,
@@ -216,7 +216,8 @@ int program(const par::Comm& comm, int argc, char** argv) {
   line.set_version_flag("--version", "trackbed " + model::version());
   line.footer(
       "Run in parallel with mpirun -n N. Give PETSc options after --. Exit codes: 0 done, 2 bad "
-      "input, 3 stopped early on request with a checkpoint, 4 error while running.");
+      "input, 3 stopped early on request, with a checkpoint unless a message says otherwise, 4 "
+      "error while running.");
   Arguments arguments;
   std::optional<Command> chosen;
   declare_commands(line, arguments, chosen);

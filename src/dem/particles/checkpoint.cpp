@@ -45,11 +45,12 @@ void Particles::save(io::File& file, const std::string& group) const {
   file.write<double>(
       group + "/history/xi", xi, 4,
       {"m, m, m, rad", "tangential displacement x y z, relative rotation about the normal"});
-  file.write<double>(group + "/history/size", size, 2,
-                     {"m, m3",
-                      "columns: contact size a = sqrt(R delta), m, when the displacement was "
-                      "stored (linear law: a = 1); a times the mean square distance of the contact "
-                      "points from the line along the normal, m3 (linear law: m2)"});
+  file.write<double>(
+      group + "/history/size", size, 2,
+      {"m, m3",
+       "columns: contact size a = sqrt(R delta), m, when the displacement was stored (linear law: "
+       "a = 1); a times the mean square distance of the contact points from the axis through the "
+       "contact's centre along its normal, m3 (linear law: m2)"});
   if (r.laws.any_rolls())
     file.write<double>(group + "/history/roll", roll, 3,
                        {"m", "displacement of rolling x y z; missing without rolling resistance"});

@@ -98,12 +98,13 @@ void Particles::Impl::migrate(std::vector<History>& history) {
     const Vec3 at = state.x[b].vec3();
     if (!at.allFinite() || !quat(state.q[b]).coeffs().allFinite())
       report(
-          fmt::format("the position or attitude of particle {} is not a number; use smaller steps",
+          fmt::format("the position or attitude of particle {} is not a number; use a smaller "
+                      "time.step or dem.safety",
                       state.id[b]));
     else if (grid.outside(at))
       report(
-          fmt::format("particle {} left the domain at ({:.6g}, {:.6g}, {:.6g}) m; use smaller "
-                      "steps or lower speeds",
+          fmt::format("particle {} left the domain at ({:.6g}, {:.6g}, {:.6g}) m; use a smaller "
+                      "time.step or dem.safety, or lower speeds",
                       state.id[b], at.x(), at.y(), at.z()));
     const int owner = at.allFinite() ? grid.owner_at(at) : comm.rank();
     if (owner == comm.rank()) {

@@ -183,11 +183,12 @@ double Particles::Impl::touch_with_corners(Approach& a, const SubStep& step) {
   // Points that were never in contact with the patch may be behind it.
   if (std::any_of(a.patches.begin(), a.patches.end(),
                   [&](const Approach::Patch& p) { return p.patch == lost; }))
-    report(
-        fmt::format("a corner of particle {} is behind the surface \"{}\" by more than {} of the "
-                    "radius of the sphere around its piece, so that its contact would be lost; use "
-                    "smaller steps or stiffer contacts",
-                    state.id[b], s.surface.name, largest_corner_depth));
+    report(fmt::format(
+        "particle {} at ({:.3g}, {:.3g}, {:.3g}) m has penetrated the surface \"{}\" by more than "
+        "{} of the bounding radius of its piece, beyond which the contact is no longer detected; "
+        "reduce time.step or dem.safety, or use stiffer contacts",
+        state.id[b], state.x[b].vec3().x(), state.x[b].vec3().y(), state.x[b].vec3().z(),
+        s.surface.name, largest_corner_depth));
   double worst = 0;
   for (std::size_t begin = 0, end = 0; begin < found.size(); begin = end) {
     while (end < found.size() && found[end].patch == found[begin].patch) ++end;

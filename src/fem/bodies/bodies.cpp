@@ -261,7 +261,7 @@ std::string Bodies::trouble() const {
     if (turned > largest_turn)
       return fmt::format(
           "{} has turned by {:.3g} rad; the model assumes small displacements and allows at most "
-          "{:g} rad",
+          "{:g} rad; use smaller loads or a stiffer support",
           name, turned, largest_turn);
   }
   return "";

@@ -29,6 +29,7 @@ constexpr double in_band = 0.95;    // of the energy, below the frequency consid
 constexpr double noticed = 0.01;    // of the energy: less, in a direction or cut off, is ignored
 // m/s: strong earthquakes move the ground with 1 to 3 m/s next to their fault.
 constexpr double fastest_usual = 5;
+constexpr const char* longer = "increase stage.duration (track on a ground: passage.duration)";
 
 // m/s of an upward wave with motion along x (0) or z (2), at the softest position of a layer.
 double speed(const GroundParameters& p, const Layer& layer, int axis, Dimension dimension) {
@@ -69,13 +70,13 @@ std::string cut_off(const GroundParameters& p, const BaseMotion& wave, Dimension
   if (come < (1 - noticed) * all)
     return fmt::format(
         "the ground moves for at most {:g} s; by then only {:.2g} % of the wave's energy has "
-        "entered at the base, and the rest is cut off; run longer",
-        time, 100 * come / all);
+        "entered at the base, and the rest is cut off; {}",
+        time, 100 * come / all, longer);
   if (last + way <= time) return {};
   return fmt::format(
       "the ground moves for at most {:g} s; the wave has entered at the base after {:.3g} s and "
-      "takes {:.3g} s more to the top and back to the base, so that it is cut off; run longer",
-      time, last, way);
+      "takes {:.3g} s more to the top and back to the base, so that it is cut off; {}",
+      time, last, way, longer);
 }
 
 }  // namespace
@@ -93,8 +94,8 @@ std::vector<std::string> look_at_times(const GroundParameters& parameters, Dimen
   if (wave.begin() >= time)
     return {
         fmt::format("the wave begins at {:g} s, but the ground moves for at most {:g} s: the wave "
-                    "has no effect; run longer",
-                    wave.begin(), time)};
+                    "has no effect; {}",
+                    wave.begin(), time, longer)};
   std::vector<std::string> odd;
   if (const double speed = wave.fastest(); speed > fastest_usual)
     odd.push_back(

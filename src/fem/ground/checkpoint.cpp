@@ -34,9 +34,9 @@ void State::list(const Visit& visit) {
   visit("rest", "m", "static displacement under weight and settled load", static_displacement);
   if (one_before.of[0].empty()) return;
   visit("acceleration_one_before", "m/s^2",
-        "a window before the last one (only with implicit steps)", one_before);
+        "at the end of the last but one window (only with implicit steps)", one_before);
   visit("acceleration_two_before", "m/s^2",
-        "two windows before the last one (only with implicit steps)", two_before);
+        "at the end of the third last window (only with implicit steps)", two_before);
 }
 
 namespace {
@@ -52,7 +52,8 @@ void save_plasticity(Plasticity& plasticity, const Mesh& mesh, io::File& file,
     names.push_back(mesh.element[element]);
     rows.push_back(n);
   }
-  file.write<std::int64_t>(group + "/plastic/element", names, 1, {"-", "number in the lattice"});
+  file.write<std::int64_t>(group + "/plastic/element", names, 1,
+                           {"-", "global number of the element"});
   plasticity.list([&](const char* name, const char* unit, const char* meaning, std::size_t width,
                       std::vector<double>& values) {
     std::vector<double> mine;
@@ -98,7 +99,8 @@ void save_extremes(const Extremes& extremes, const Mesh& mesh, io::File& file,
     for (std::size_t q = 0; q < Extremes::count; ++q)
       rows.push_back(extremes.values[z * Extremes::count + q]);
   }
-  file.write<std::int64_t>(group + "/extremes/element", names, 1, {"-", "number in the lattice"});
+  file.write<std::int64_t>(group + "/extremes/element", names, 1,
+                           {"-", "global number of the element"});
   file.write<double>(
       group + "/extremes/stress", rows, Extremes::count,
       {"Pa", "largest and least principal, largest shear, largest and least vertical up to now"});
@@ -129,7 +131,7 @@ void Ground::save(io::File& file, const std::string& group) const {
   const int components = impl_->components();
   std::vector<std::int64_t> names;
   for (const std::int32_t n : mesh.own) names.push_back(mesh.node[static_cast<std::size_t>(n)]);
-  file.write<std::int64_t>(group + "/node", names, 1, {"-", "number in the lattice"});
+  file.write<std::int64_t>(group + "/node", names, 1, {"-", "global number of the node"});
   impl_->state.list([&](const char* name, const char* unit, const char* meaning, Nodal& values) {
     std::vector<double> rows;
     for (const std::int32_t n : mesh.own)

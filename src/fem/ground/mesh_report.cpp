@@ -163,11 +163,13 @@ void check_wave(const SolidMesh& mesh, const GroundParameters& parameters, const
     if (at.second == WaveEffect::gap)
       report(warnings,
              "is free and at an end of the mesh: there is no ground beside it that moves with the "
-             "wave of ground.base_motion");
+             "wave of ground.base_motion; move this end further away, or use a roller if the wave "
+             "moves the ground parallel to the face");
     if (at.second == WaveEffect::holder)
-      report(problems, fmt::format("holds the ground along {0}, but the wave of ground.base_motion "
-                                   "moves along {0} (v{0}_m_s is not 0)",
-                                   axes[static_cast<std::size_t>(axis)]));
+      report(problems,
+             fmt::format("holds the ground along {0}, but the wave of ground.base_motion moves "
+                         "along {0} (v{0}_m_s is not 0); use \"viscous\" or \"free\"",
+                         axes[static_cast<std::size_t>(axis)]));
   }
   if (!problems.empty()) throw InputError(problems);
 }

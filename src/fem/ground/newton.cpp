@@ -50,8 +50,8 @@ std::string Ground::Impl::not_converged(const NewtonStep& step) {
   if (step.converged)
     return fmt::format(
         "the ground fails: plastic strains reach {:.2g} at the end of an implicit step, but the "
-        "model assumes small displacements and allows at most {:g}; use stronger layers, a weaker "
-        "wave or a smaller load",
+        "model assumes small displacements and allows at most {:g}; use stronger layers (larger "
+        "cohesion or friction_angle), a weaker wave or a smaller load",
         step.strain, largest_strain);
   const std::string why =
       step.unsolved > 0
@@ -60,7 +60,8 @@ std::string Ground::Impl::not_converged(const NewtonStep& step) {
           : fmt::format("the relative out-of-balance force is {:.2g}", step.residual);
   return fmt::format(
       "an implicit step of the ground did not converge in {} Newton iterations: {}; use a shorter "
-      "time.window, ground.integrator = \"explicit\", or stronger layers",
+      "time.window, ground.integrator = \"explicit\", or stronger layers (larger cohesion or "
+      "friction_angle)",
       step.iterations, why);
 }
 

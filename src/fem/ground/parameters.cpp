@@ -172,8 +172,8 @@ void declare_elements(const GroundParameters& p, Section& s) {
 // unconditionally stable down to -1/3 (Hilber, Hughes, Taylor 1977), Bossak also below.
 void declare_alphas(GroundParameters& p, Section& s) {
   s.number("alpha", p.alpha, {.at_least = -1, .at_most = 0},
-           "Parameter alpha of the numerical damping (hht, bossak); 0: none; more negative values "
-           "give more damping.");
+           "Parameter alpha of the numerical damping (bossak; hht: from -1/3); 0: none; more "
+           "negative values give more damping.");
   s.rule("alpha", p.integrator != Integrator::hht || p.alpha >= -1.0 / 3,
          "must be at least -1/3 for hht, or the integrator is not unconditionally stable",
          {.reads = {"integrator", "alpha"}});
@@ -233,7 +233,7 @@ void Strength::declare(Section& s) {
            "Angle of internal friction (mohr_coulomb).");
   s.number("dilation_angle", dilation_angle,
            {.unit = "degrees", .at_least = 0, .at_most = 60, .usually_from = 1},
-           "Dilation angle (mohr_coulomb).");
+           "Dilation angle (mohr_coulomb), at most friction_angle.");
   s.number("tensile_strength", tensile_strength,
            {.unit = "Pa", .at_least = 0, .usually_from = 100, .usually_to = 1e7},
            "Tensile strength, i.e. tension cut-off (mohr_coulomb).");
@@ -288,7 +288,9 @@ void Layer::declare(Section& s) {
 void Block::declare(Section& s) {
   s.text("name", name, "Name of the block in messages and overrides.");
   auto fixed = s.fixed_by(input::state::moved_ground);
-  s.flag("present", present, "Whether the block exists; otherwise the layers continue through it.");
+  s.flag("present", present,
+         "Whether the block exists; false: the block is ignored, and the layers keep their "
+         "material there.");
   s.numbers("outline", outline, {.unit = "m"},
             "Corners of the block as x, z, x, z ... with z = 0 on the top face and z < 0 below.");
   s.rule("outline", outline.size() % 2 == 0 && outline.size() >= 2 * fewest_corners,
@@ -360,7 +362,7 @@ void GroundParameters::declare_shape(Section& s) {
   const auto fixed_sections = s.fixed_by(input::state::any);
   s.tables("section", sections,
            "Cross-sections of an embankment at positions along the track, linear between them and "
-           "constant beyond; none: layers as wide as y.");
+           "constant beyond; without sections all layers span the width ground.y.");
   s.integer("embankment_layers", embankment_layers, {.at_least = 0, .at_most = 1000},
             "Number of layers, from the top down, that form the embankment (section); the layers "
             "below them are the natural ground, which also extends beside the embankment.");
@@ -383,7 +385,8 @@ void GroundParameters::declare_steps(Section& s) {
   fixed.end();
   s.number("safety", safety, {.above = 0, .at_most = 1},
            "Safety factor on the critical step (explicit).");
-  s.number("newmark_beta", newmark_beta, {.above = 0, .at_most = 1}, "Newmark's beta (newmark).");
+  s.number("newmark_beta", newmark_beta, {.above = 0, .at_most = 1},
+           "Newmark's beta (newmark), at least newmark_gamma / 2.");
   s.number("newmark_gamma", newmark_gamma, {.at_least = 0.5, .at_most = 1},
            "Newmark's gamma (newmark); values above 0.5 give numerical damping.");
   s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
@@ -416,7 +419,7 @@ void GroundParameters::declare_base(Section& s) {
          "must be 0 or left out with base_motion: springs would oppose the motion of the base",
          {.reads = {"base_stiffness", "base_motion"}});
   s.rule("base_stiffness", base_stiffness <= 0 || base_stiffness >= 1e4,
-         "is very soft for the ground below a track; is it in Pa/m?",
+         "is very soft for the ground below a track (below 1e4 Pa/m); is it in Pa/m?",
          {.severity = input::Severity::warning, .reads = {"base_stiffness"}});
 }
 

@@ -81,18 +81,31 @@ bool declare_order(const GroundParameters& p, Section& s) {
   return rises;
 }
 
+// The lowest embankment layer is as thick as the height leaves it below the layers above it. What
+// it gains beyond its own thickness is missing in the lowest natural layer.
 void declare_section_height(const GroundParameters& p, std::size_t number, Section& s) {
   const CrossSection section = p.section_at(p.sections[number].x);
   const std::vector<double> thick = thicknesses(p, section);
-  const auto thin = std::min_element(thick.begin(), thick.end());
-  const auto layer = static_cast<std::size_t>(thin - thick.begin());
+  const auto lowest = static_cast<std::size_t>(p.embankment_layers) - 1;  // of the embankment
+  double above = 0;                                                       // m, thickness
+  for (std::size_t l = 0; l < lowest; ++l) above += p.layers[l].thickness;
+  const double sum = above + p.layers[lowest].thickness;
+  const std::string key = fmt::format("section[{}].height", number);
+  s.rule(key, thick[lowest] > same_place,
+         fmt::format("the embankment layers are {:g} m thick in total; a height of {:g} m makes "
+                     "the lowest of them, \"{}\", thinner by {:g} m, to {:g} m; increase the "
+                     "height to more than {:g} m or make the layers above it thinner",
+                     sum, section.height, p.layers[lowest].name, sum - section.height,
+                     thick[lowest], above),
+         of_shape);
+  const Layer& natural = p.layers.back();
   s.rule(
-      fmt::format("section[{}].height", number), *thin > same_place,
-      fmt::format(
-          "gives layer[{1}] (\"{2}\") a thickness of {0:g} m, which must be above 0; give a height "
-          "closer to the sum of the embankment layers, or a thicker layer (height minus this sum "
-          "is added to the lowest embankment layer and subtracted from the lowest natural layer)",
-          *thin, layer, p.layers[layer].name),
+      key, thick.back() > same_place,
+      fmt::format("the embankment layers are {:g} m thick in total; a height of {:g} m makes the "
+                  "lowest of them thicker by {:g} m and the lowest natural layer, \"{}\", thinner, "
+                  "to {:g} m; reduce the height to less than {:g} m or make that layer thicker",
+                  sum, section.height, section.height - sum, natural.name, thick.back(),
+                  sum + natural.thickness),
       of_shape);
 }
 
@@ -223,8 +236,8 @@ void CrossSection::declare(Section& s) {
            "Half-width of the crest, from y = 0 to either side.");
   s.number("height", height, {.unit = "m", .at_least = 0, .usually_to = 50},
            "Height of the crest above the natural ground; 0: sum of the embankment layers. If the "
-           "height differs from this sum, the lowest embankment layer is thickened or thinned by "
-           "the difference.");
+           "height differs from this sum, the thickness of the lowest embankment layer changes by "
+           "the difference, and that of the lowest natural layer by the opposite amount.");
   s.number("slope", slope, {.at_least = 0, .usually_to = 10},
            "Slope of the sides, horizontal to vertical; 0: vertical faces. If y ends at vertical "
            "faces, side_y_low and side_y_high (or `sides`) also apply to them.");

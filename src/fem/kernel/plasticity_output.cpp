@@ -91,9 +91,12 @@ std::vector<double> Plasticity::stored(const Nodal& u0, const Nodal& u) const {
 }
 
 void Plasticity::list(const Visit& visit) {
-  visit("plastic/strain", "-", "all plastic strain at the Gauss points, component by component",
+  visit("plastic/strain", "-",
+        "all plastic strain: for each of xx, yy, zz, xy, yz, zx (plane: xx, yy, zz, zx; shear "
+        "doubled) the values at all Gauss points",
         width_, strain_);
-  visit("plastic/static", "-", "plastic strain in static equilibrium", width_, static_strain_);
+  visit("plastic/static", "-", "plastic strain in static equilibrium, in the same order", width_,
+        static_strain_);
   visit("plastic/work", "J", "dissipated by yielding of the element", 1, work_);
   if (tetrahedra_ != nullptr)
     visit("plastic/opened", "-", "1 if the element has yielded in tension since static equilibrium",

@@ -125,7 +125,7 @@ void Reader::format() {
 void Reader::names() {
   for (std::size_t n = words_.count("physical names"); n > 0; --n) {
     const Id dimension = words_.integer("the dimension of a group");
-    const Id tag = words_.integer("the number of a group");
+    const Id tag = words_.integer("a tag of a physical group");
     if (dimension < 0 || dimension > 3) words_.fail("the dimension of a group must be 0 to 3");
     const auto at = static_cast<std::size_t>(group(static_cast<int>(dimension), tag));
     file_.groups[at].name = words_.quoted();
@@ -138,16 +138,16 @@ void Reader::entities() {
   for (std::size_t& count : counts) count = words_.count("entities");
   for (int dimension = 0; dimension < 4; ++dimension)
     for (std::size_t n = counts[static_cast<std::size_t>(dimension)]; n > 0; --n) {
-      const Id tag = words_.integer("the number of an entity");
+      const Id tag = words_.integer("an entity tag");
       for (int k = dimension == 0 ? 3 : 6; k > 0; --k) words_.number("a position");
       const std::size_t groups = words_.count("physical groups");
       for (std::size_t k = 0; k < groups; ++k) {
-        const int in = group(dimension, words_.integer("the number of a physical group"));
+        const int in = group(dimension, words_.integer("a tag of a physical group"));
         entity_[{dimension, tag}] = groups == 1 ? in : GmshFile::several;
       }
       if (dimension == 0) continue;
       for (std::size_t k = words_.count("bounding entities"); k > 0; --k)
-        words_.integer("the number of an entity");
+        words_.integer("an entity tag");
     }
 }
 
@@ -164,14 +164,14 @@ void Reader::node(Id tag) {
 void Reader::nodes_4() {
   const std::size_t blocks = words_.count("blocks of nodes");
   const std::size_t total = words_.count("nodes");
-  words_.integer("the lowest number of a node"), words_.integer("the highest number of a node");
+  words_.integer("the lowest node tag"), words_.integer("the highest node tag");
   std::vector<Id> tags;
   for (std::size_t b = 0; b < blocks; ++b) {
     const Id dimension = words_.integer("a dimension");
-    words_.integer("the number of an entity");
+    words_.integer("an entity tag");
     const bool parametric = words_.integer("0 or 1") != 0;
     tags.resize(words_.count("nodes"));
-    for (Id& tag : tags) tag = words_.integer("the number of a node");
+    for (Id& tag : tags) tag = words_.integer("a node tag");
     for (const Id tag : tags) {
       node(tag);
       for (Id k = 0; parametric && k < std::min<Id>(dimension, 3); ++k) words_.number("a number");
@@ -182,7 +182,7 @@ void Reader::nodes_4() {
 }
 
 void Reader::nodes_2() {
-  for (std::size_t n = words_.count("nodes"); n > 0; --n) node(words_.integer("a node's number"));
+  for (std::size_t n = words_.count("nodes"); n > 0; --n) node(words_.integer("a node tag"));
 }
 
 // Reads the nodes of one element.
@@ -191,7 +191,7 @@ void Reader::element(int number, Id tag, std::size_t line, int group) {
   GmshFile::Element found{tag, line, group, {}};
   const bool kept = number == triangle || number == tetrahedron;
   for (int k = 0; k < kind.nodes; ++k) {
-    const Id name = words_.integer("the number of a node");
+    const Id name = words_.integer("a node tag");
     const auto node = index_.find(name);
     if (node == index_.end())
       words_.fail(fmt::format("element {} has a node {}, which is not in $Nodes", tag, name));
@@ -208,17 +208,17 @@ void Reader::element(int number, Id tag, std::size_t line, int group) {
 void Reader::elements_4() {
   const std::size_t blocks = words_.count("blocks of elements");
   const std::size_t total = words_.count("elements");
-  words_.integer("the lowest number of an element");
-  words_.integer("the highest number of an element");
+  words_.integer("the lowest element tag");
+  words_.integer("the highest element tag");
   std::size_t read = 0;
   for (std::size_t b = 0; b < blocks; ++b) {
     words_.integer("a dimension");
-    const Id entity = words_.integer("the number of an entity");
+    const Id entity = words_.integer("an entity tag");
     const Kind& kind = kind_of(words_.integer("an element type"));
     const std::size_t count = words_.count("elements");
     read += count;
     for (std::size_t n = 0; n < count; ++n) {
-      const Id tag = words_.integer("the number of an element");
+      const Id tag = words_.integer("an element tag");
       element(kind.number, tag, words_.line(), group_of_entity(kind.dimension, entity));
     }
   }
@@ -229,7 +229,7 @@ void Reader::elements_4() {
 // The first tag of an element is its physical group, 0 for none.
 void Reader::elements_2() {
   for (std::size_t n = words_.count("elements"); n > 0; --n) {
-    const Id tag = words_.integer("the number of an element");
+    const Id tag = words_.integer("an element tag");
     const std::size_t line = words_.line();
     const Kind& kind = kind_of(words_.integer("an element type"));
     int in = GmshFile::none;

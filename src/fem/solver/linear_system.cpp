@@ -252,15 +252,15 @@ int LinearSystem::Handles::outcome(KSP of) {
   check(KSPGetConvergedReason(of, &reason), "get the reason of convergence");
   check(KSPGetIterationNumber(of, &iterations), "get the number of iterations");
   if (reason < 0)
-    throw RunError(
-        fmt::format("the linear solver of the ground did not converge ({} iterations, {}); {}",
-                    iterations, KSPConvergedReasons[reason],
-                    reason == KSP_DIVERGED_ITS
-                        ? "poisson near 0.5 and solids of very unequal stiffness need many "
-                          "iterations; allow more iterations (after `--`: -ground_ksp_max_it N) or "
-                          "use a direct solver (after `--`: -ground_ksp_type preonly "
-                          "-ground_pc_type cholesky -ground_pc_factor_mat_solver_type mumps)"
-                        : "try other solver options (after `--`)"));
+    throw RunError(fmt::format(
+        "the linear solver of the ground did not converge ({} iterations, {}); {}", iterations,
+        KSPConvergedReasons[reason],
+        reason == KSP_DIVERGED_ITS
+            ? "poisson near 0.5 and ground materials (layers, blocks, solids) of very unequal "
+              "stiffness need many iterations; allow more iterations (after `--`: "
+              "-ground_ksp_max_it N) or use a direct solver (after `--`: -ground_ksp_type preonly "
+              "-ground_pc_type cholesky -ground_pc_factor_mat_solver_type mumps)"
+            : "try other solver options (after `--`)"));
   return static_cast<int>(iterations);
 }
 

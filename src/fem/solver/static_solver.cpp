@@ -112,10 +112,11 @@ int StaticSolver::solve(const Nodal& right, Nodal& x, double tolerance, double s
   // r is updated, not computed again: its drift is rounding error, below any useful tolerance.
   for (; rr > enough; ++count) {
     if (count == most)
-      throw RunError(fmt::format(
-          "static solve of the ground did not converge: the relative residual is {:.3g} after {} "
-          "iterations; reduce the differences in stiffness between solids or springs",
-          tolerance * std::sqrt(rr / enough), most));
+      throw RunError(
+          fmt::format("static solve of the ground did not converge: the relative residual is "
+                      "{:.3g} after {} iterations; reduce the differences in stiffness between "
+                      "ground materials (layers, blocks, solids) or springs",
+                      tolerance * std::sqrt(rr / enough), most));
     apply(p, q);
     const double step = rz / products(p, q, q)[0];
     for (int c = 0; c < components; ++c)

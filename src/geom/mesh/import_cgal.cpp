@@ -71,8 +71,7 @@ Surface joined(Soup& soup, std::vector<std::string>& repairs) {
   pmp::repair_polygon_soup(points, soup.polygons);
   if (soup.polygons.size() != polygons) repairs.push_back(cleaned(polygons, soup.polygons.size()));
   if (!pmp::orient_polygon_soup(points, soup.polygons))
-    repairs.push_back(
-        "edges of more than two facets, or corners at which surfaces only touch, were split");
+    repairs.push_back("non-manifold edges (of more than two facets) or vertices were split");
   if (!pmp::is_polygon_soup_a_polygon_mesh(soup.polygons))
     refuse("the facets do not form a surface");
   Surface surface;

@@ -15,6 +15,7 @@
 #include "model/rules/limits.hpp"
 #include "trackbed/bed/library.hpp"
 #include "trackbed/core/whole_steps.hpp"
+#include "trackbed/model/log.hpp"
 
 namespace trackbed::model {
 
@@ -99,11 +100,15 @@ std::string limits_of(const Model& model, const Stage& stage, const Steps& steps
   return words;
 }
 
-std::string sentence_of(const LayerForecast& layer) {
-  return fmt::format(
-      "  {}: {} stones are poured; about {} of them remain below the profile and beside the "
-      "sleepers",
-      layer.layer.empty() ? "layer of [bed]" : "layer " + layer.layer, layer.made, layer.left);
+std::string sentence_of(const LayerForecast& layer, const Cut& cut) {
+  const std::string made =
+      fmt::format("  {}: {} stones are poured",
+                  layer.layer.empty() ? "layer of [bed]" : "layer " + layer.layer, layer.made);
+  const bool trims = cut.crest > 0, places = cut.sleepers_from >= 0;
+  if (!trims && !places) return made;
+  return fmt::format("{}; about {} of them remain after {}{}{}", made, layer.left,
+                     trims ? "trimming to the profile" : "", trims && places ? " and " : "",
+                     places ? "placing the sleepers" : "");
 }
 
 // MB of the histories if all stages take their full duration.
@@ -168,7 +173,7 @@ std::vector<std::string> estimate(const World& world, const StageActions& action
   std::vector<std::string> lines;
   for (const LayerForecast& layer : layers)
     if (layers.size() > 1 || !layer.layer.empty() || layer.left != layer.made)
-      lines.push_back(sentence_of(layer));
+      lines.push_back(sentence_of(layer, cut_of(model)));
   double seconds = 0, step_time = 0, longest = 0, all_windows = 0;
   std::size_t filled = 0;
   std::string shared, numbers;  // of the stages since the limits changed
@@ -193,12 +198,13 @@ std::vector<std::string> estimate(const World& world, const StageActions& action
                            stage.name, windows);
   }
   lines.push_back(shared + "  " + numbers);
-  lines.push_back(fmt::format(
-      "estimated wall time on {} rank{}: {:.2g} s (assumed: idle cores; in each sub-step {:.0f} ns "
-      "for each stone, {:.0f} ns for each ball and {:.0f} ns for each polyhedron of a stone; "
-      "stages of full duration; ground, coupling and output are not included)",
-      comm.size(), comm.size() > 1 ? "s" : "", seconds, time_per_stone * 1e9, time_per_ball * 1e9,
-      time_per_polyhedron * 1e9));
+  lines.push_back(
+      fmt::format("estimated wall time on {} rank{}: {} (assumes that nothing else runs on the "
+                  "cores, that a sub-step costs {:.0f} ns for each stone, {:.0f} ns for each ball "
+                  "and {:.0f} ns for each polyhedron of a stone, and that stages have their full "
+                  "duration; ground, coupling and output are not included)",
+                  comm.size(), comm.size() > 1 ? "s" : "", estimate_words(seconds),
+                  time_per_stone * 1e9, time_per_ball * 1e9, time_per_polyhedron * 1e9));
   for (const std::string& line : warning_of_ground_steps(world, longest)) lines.push_back(line);
   lines.push_back(
       fmt::format("histories: up to {:.2g} MB", size_of_histories(model, actions, all_windows)));
@@ -228,8 +234,8 @@ std::vector<std::string> estimate_alone(World& world) {
     world.ground->advance(steps.window, load);
   }
   const std::chrono::duration<double> settling = begin - start, took = now() - begin;
-  line += fmt::format(", about {:.0f} s of wall time",
-                      settling.count() + took.count() / tried * windows);
+  line += fmt::format(", about {} of wall time",
+                      estimate_words(settling.count() + took.count() / tried * windows));
   return {line};
 }
 

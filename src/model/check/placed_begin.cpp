@@ -171,7 +171,10 @@ PlacesOfStones look_at_places(const World& world, const std::vector<bed::PlacedS
           fmt::format("{}; the limit is dem.largest_overlap = {:g}: place the stone further away",
                       where, model.dem.largest_overlap));
     else
-      found.warnings.push_back(where);
+      found.warnings.push_back(
+          fmt::format("{}; the limit is dem.largest_overlap = {:g}: if they should not overlap, "
+                      "place the stone further away",
+                      where, model.dem.largest_overlap));
   }
   for (const auto& more : {from_behind(world, shapes, deck), loose_clumps(world, shapes, deck)})
     found.warnings.insert(found.warnings.end(), more.begin(), more.end());

@@ -13,6 +13,7 @@
 #include "model/scene/world.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/whole_steps.hpp"
+#include "trackbed/model/log.hpp"
 
 namespace trackbed::model {
 
@@ -131,10 +132,10 @@ std::vector<std::string> estimate_placed(World& world, const input::Deck& deck) 
   }
   const std::chrono::duration<double> took = now() - start;
   lines.push_back(
-      fmt::format("estimated wall time on {} rank{}: {:.2g} s (measured in {} windows; rows of the "
+      fmt::format("estimated wall time on {} rank{}: {} (measured in {} windows; rows of the "
                   "histories are not included)",
                   world.comm.size(), world.comm.size() > 1 ? "s" : "",
-                  world.comm.max(took.count()) / tried * windows, tried));
+                  estimate_words(world.comm.max(took.count()) / tried * windows), tried));
   return lines;
 }
 

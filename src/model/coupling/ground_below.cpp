@@ -363,15 +363,15 @@ void GroundBelow::archive(io::Archive& a) {
        "work done on the ground up to now, summed exactly over its nodes, as a multiple of a fixed "
        "unit of work"});
   own("node_work/fine_quanta", nodes.counts()[1],
-      {"-", "remainder below this unit, as a multiple of a smaller unit"});
+      {"-", "remainder of node_work/quanta, as a multiple of a finer unit"});
   own("balance/force", force_off_, {"-", "largest relative imbalance of force"});
   own("balance/moment", moment_off_[0], {"-", "largest relative imbalance of the moment about y"});
   own("balance/roll_moment", moment_off_[1],
       {"-", "largest relative imbalance of the moment about x (only with two rails)"});
   own("balance/height", height_off_,
       {"m",
-       "largest difference between the heights of the ground in the equations of the track and in "
-       "those of the ground (only with implicit steps)"});
+       "largest difference of the ground displacement below a sleeper between the solutions of "
+       "track and ground (only with implicit steps)"});
   own("largest_height", most_height_,
       {"m", "largest displacement of the ground below a sleeper (only with implicit steps)"});
   if (!a.reads()) return;

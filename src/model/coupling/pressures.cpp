@@ -19,6 +19,8 @@ namespace trackbed::model {
 
 namespace {
 
+const std::vector<std::string_view> course_words = {"dead", "rise", "pulse", "harmonic", "table"};
+
 double area_of(const couple::Rectangle& r) { return (r.x[1] - r.x[0]) * (r.y[1] - r.y[0]); }
 
 }  // namespace
@@ -37,7 +39,7 @@ void PressureParameters::declare(input::Section& s) {
            "Shear stress along x, as from friction.");
   s.number("across", across, {.unit = "Pa", .usually_from = -usual, .usually_to = usual},
            "Shear stress along y (space).");
-  s.choice("course", course, {"dead", "rise", "pulse", "harmonic", "table"},
+  s.choice("course", course, course_words,
            "Course over time; dead: constant, included in the static equilibrium at the start; "
            "rise: half a cosine over the duration, then constant (0: a step); pulse: a haversine "
            "of that duration; harmonic: a sine; table: from the file.");
@@ -71,7 +73,9 @@ void PressureParameters::declare(input::Section& s) {
          "must be 0 m/s for a dead load, which is part of the static equilibrium",
          {.reads = {"course", "speed"}});
   const auto idle = [&](const char* key, bool given, bool used) {
-    s.rule(key, used || !given, "has no effect with this course (course)",
+    s.rule(key, used || !given,
+           fmt::format("has no effect with course = \"{}\"",
+                       course_words[static_cast<std::size_t>(course)]),
            {.severity = input::Severity::warning, .reads = {"course", key}});
   };
   const bool runs = course == PressureCourse::rise || course == PressureCourse::pulse;

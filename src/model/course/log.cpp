@@ -8,15 +8,16 @@
 
 namespace trackbed::model {
 
-namespace {
-
 std::string clock_words(double seconds) {
   const auto s = static_cast<std::int64_t>(seconds);
-  return s < 3600 ? fmt::format("{}:{:02d}", s / 60, s % 60)
-                  : fmt::format("{}:{:02d}:{:02d}", s / 3600, s / 60 % 60, s % 60);
+  return fmt::format("{}:{:02d}:{:02d}", s / 3600, s / 60 % 60, s % 60);
 }
 
-}  // namespace
+std::string estimate_words(double seconds) {
+  constexpr double readable = 100;  // s
+  return seconds > readable ? fmt::format("{} (h:mm:ss)", clock_words(seconds))
+                            : fmt::format("{:.2g} s", seconds);
+}
 
 // Not fmt::print, which throws where nothing can be written. Flushed at once: batch systems show
 // stdout only when it is flushed, and the log of a run that is killed must be complete.
@@ -48,7 +49,7 @@ void Log::warning(const std::string& sentence) { say(comm_, "warning: " + senten
 void Log::progress(double time, double remaining, const std::string& status) {
   const double wall = wall_time(), speed = (time - last_time_) / (wall - last_line_);  // s per s
   const double left = speed > 0 ? remaining / speed : 0;
-  say(comm_, fmt::format("  {:>8.4f} s | {:.3g} ms/s | left {}{}{}", time, speed * 1e3,
+  say(comm_, fmt::format("  {:>8.4f} s | {:.3g} ms per s | remaining {}{}{}", time, speed * 1e3,
                          clock_words(left), status.empty() ? "" : " | ", status));
   mark(time);
 }

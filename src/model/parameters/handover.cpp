@@ -15,13 +15,13 @@ namespace trackbed::model {
 void HandoverParameters::declare(input::Section& s) {
   s.text("after", after, "Name of the stage after which the rounds begin; empty: no loop.");
   s.integer("rounds", rounds, {.at_least = 1, .at_most = 1000},
-            "Number of rounds; each consists of a static load test of the supports, a track alone, "
-            "trains over the bed, and the new geometry.");
+            "Number of rounds; each round: static load test for the support stiffness; run of a "
+            "track alone for the seat forces; trains on the bed; update of the rail geometry.");
   s.integer("trains", trains, {.at_least = 1, .at_most = 10000},
             "Number of trains computed in a round.");
   s.number("each", each, {.above = 0, .usually_to = 1e6},
-           "Number of trains that each computed train represents; its settlement times this number "
-           "gives the new geometry.");
+           "Number of trains that each computed train represents: the settlement under a computed "
+           "train is multiplied by this number before the rail geometry is updated.");
   s.number("load", load, {.unit = "N", .above = 0, .usually_from = 100, .usually_to = 1e6},
            "Peak force on each sleeper in the static load test of the supports, in addition to "
            "seat_force.");

@@ -27,13 +27,15 @@ void declare_kind(const Model& model, input::Section& s) {
   const fem::GroundParameters& ground = model.ground;
   const bool newmark = ground.integrator == fem::Integrator::newmark;
   s.rule("ground.integrator", newmark || ground.integrator == fem::Integrator::explicit_,
-         "must be \"explicit\" or \"newmark\" below a track: the track is integrated with average "
-         "acceleration, and its coupling with other integrators can gain energy",
+         "must be \"explicit\" or \"newmark\" with model = \"track_on_ground\": the track is "
+         "integrated with average acceleration, and its coupling with other integrators can gain "
+         "energy",
          about);
   s.rule("ground.newmark_beta",
          !newmark || (ground.newmark_beta == 0.25 && ground.newmark_gamma == 0.5),
-         "must be 0.25, and ground.newmark_gamma 0.5, below a track: the track is integrated with "
-         "average acceleration, and its coupling with other integrators can gain energy",
+         "must be 0.25, and ground.newmark_gamma 0.5, with model = \"track_on_ground\": the track "
+         "is integrated with average acceleration, and its coupling with other integrators can "
+         "gain energy",
          about);
   s.rule(
       "ground.layer", !model.ground.yields(),
@@ -83,7 +85,7 @@ void declare_two_rails(const Model& model, input::Section& s) {
       "must be \"plane\" on a plane ground: two rails need a three-dimensional ground (dimension)",
       {.reads = {"track", "dimension", "model"}});
   s.rule("footing.rails", footing.rails == 2,
-         "must be 2 below two rails (track.dimension = \"space\"): the ground carries both",
+         "must be 2 if track.dimension = \"space\": the ground then carries both rails",
          {.reads = {"track", "footing"}});
   s.rule("footing.length", is_plane(model) || footing.length >= length - same_length,
          fmt::format("is less than a sleeper's length (track.sleeper_length = {:g} m): below two "
@@ -194,9 +196,11 @@ void FootingParameters::declare(input::Section& s) {
            "Length of the footprint across the track (space; a plane model uses its thickness); "
            "with two rails it must be at least the sleeper length.");
   s.number("y", y, {.unit = "m"}, "y of the middle of the footprint (space).");
-  s.number("rails", rails, {.above = 0, .at_most = 2},
-           "Number of rails whose load the ground carries: 1 for half a track; 2 for a whole "
-           "track, whether track.dimension is plane or space.");
+  s.number(
+      "rails", rails, {.above = 0, .at_most = 2},
+      "Number of rails whose load the ground carries: 1 for half a track; 2 for a whole track, "
+      "whether track.dimension is plane or space; less than 1: the ground is a slice narrower than "
+      "half a track; the value is the fraction of one rail's load that it carries.");
 }
 
 // The surface of a plane model is as wide as its thickness. A linear pressure across the footprint

@@ -135,7 +135,7 @@ void Stage::declare(input::Section& s) {
   constexpr double least = 100;  // N, smallest load that is relevant for a sleeper
   for (const auto& [key, force] : {std::pair{"seat_force", seat_force}, {"load", load}})
     s.rule(key, force == 0 || std::abs(force) >= least,
-           "is negligible for a rail seat: is it in N?",
+           fmt::format("is negligible for a rail seat (below {:g} N); is it in N?", least),
            {.severity = input::Severity::warning, .reads = {key}});
   const bool tamps = kind == StageKind::tamp;
   s.rule("duration", kind == StageKind::passage || tamps || duration > 0,
@@ -192,13 +192,13 @@ void TimeParameters::declare(input::Section& s) {
 void RunOutput::declare(input::Section& s) {
   s.number("history_interval", history_interval, {.unit = "s", .at_least = 0},
            "Simulated time between rows of the histories, rounded to windows; 0: a row after each "
-           "window. For a track alone or on a ground, whose windows are its steps, the default is "
-           "1e-3 s.");
+           "window. For the models track and track_on_ground, whose windows are time steps, the "
+           "default is 1e-3 s.");
   const auto free = s.free_to_change();
   s.number("checkpoint_interval", checkpoint_interval, {.unit = "s", .at_least = 0},
            "Simulated time between checkpoints within a stage, rounded to windows; 0: only at the "
-           "end of the stage. For a track alone or on a ground the default is 0: none, except when "
-           "a run is stopped.");
+           "end of the stage. For the models track and track_on_ground the default is 0: none, "
+           "except when a run is stopped.");
   s.number("wall_time", wall_time, {.unit = "s", .at_least = 0},
            "Wall time after which a checkpoint is written and the run stops; 0: no limit.");
   s.integer("stop_after", stop_after, {.at_least = 0},
@@ -215,10 +215,9 @@ void Output::declare(input::Section& s) {
   s.rule("fields_interval", fields_interval == 0 || fields, "has no effect without fields = true",
          {.severity = input::Severity::warning, .reads = {"fields", "fields_interval"}});
   s.flag("ground_extremes", ground_extremes,
-         "Whether the ground's fields include the smallest and largest stresses of each element up "
-         "to then, sampled at the history rows and fields of a stage in which the ground moves. If "
-         "a resume within a "
-         "stage switches this on, earlier times are not included. Needs fields = true.");
+         "Whether the ground's fields include running extremes of the element stresses, updated at "
+         "each history row and field file while the ground moves. If a resume within a stage "
+         "switches this on, earlier times are not included. Needs fields = true.");
   s.rule("ground_extremes", !ground_extremes || fields, "has no effect without fields = true",
          {.severity = input::Severity::warning, .reads = {"fields", "ground_extremes"}});
   s.number(
@@ -309,7 +308,9 @@ void Model::declare(input::Section& s) {
   declare_pressures(*this, s);
   placed.declare(s);
   declare_no_placed(placed, s);
-  s.table("handover", handover, "The hand-over loop; read by jobs/handover.py, not by `run`.");
+  s.table("handover", handover,
+          "Long-term settlement by alternating runs of a track alone and of the bed "
+          "(docs/track.md); used by jobs/handover.py, ignored by `trackbed run`.");
   declare_handover(*this, s);
 }
 
@@ -319,9 +320,8 @@ void Model::declare_bed(input::Section& s) {
   s.texts("periodic", periodic, "Axes along which the bed is periodic: any of \"x\", \"y\".");
   fixed.end();
   s.file("start", start,
-         "Checkpoint from which the run starts (a file stage_*.h5, or a result folder, of which "
-         "the checkpoint named in its file `latest` is taken); the stages before it are not "
-         "computed again.",
+         "Checkpoint from which the run starts: a file stage_*.h5, or a result folder, whose "
+         "latest checkpoint is then used. The stages before it are not computed again.",
          input::FileRole::origin);
   s.text("wall_material", wall_material, "Contact material of walls and platen.");
   s.text("ground_material", ground_material,
@@ -335,10 +335,14 @@ void Model::declare_bed(input::Section& s) {
   s.table("ground", ground, "The continuum below the bed.");
   s.table("sleepers", sleepers, "Sleepers; they exist if a stage places them.");
   s.table("solid", solid, "Sleepers as solids (sleepers.model = \"solid\"), and rails on them.");
-  s.table("load", load, "Load on the rail seats while axles pass.");
+  s.table("load", load,
+          "Load on the rail seats while axles pass (stages of kind passage; for stages of kind "
+          "load see stage.load).");
   {
     const auto fixed_by_train = s.fixed_by(input::state::train);
-    s.table("seat", seat, "Position of the bed below the rail of a stage with train = true.");
+    s.table("seat", seat,
+            "How the bed lies in the track of a passage with train = true: where it begins, and "
+            "how many rails its sleepers carry.");
   }
   s.table("platen", platen, "The plate that compacts the bed.");
   {

@@ -203,10 +203,11 @@ void declare_motion(const Model& model, input::Section& s) {
   s.rule("time.substeps",
          model.time.window > 0 || model.time.step > 0 || model.time.substeps == 1 ||
              model.time.substeps <= contact / 4,
-         fmt::format("is more than a quarter of a contact of the lightest stone, which lasts about "
-                     "{:.0f} sub-steps: impulses, peak forces and supplied work are taken from the "
-                     "ends of windows and miss shorter contacts; give at most {:d}",
-                     contact, std::max(1, static_cast<int>(contact / 4))),
+         fmt::format(
+             "a window of {} sub-steps is longer than a quarter of a contact of the lightest stone "
+             "(contact duration about {:.1f} sub-steps): impulses, peak forces and supplied work "
+             "are taken from the ends of windows and miss shorter contacts; give at most {:d}",
+             model.time.substeps, contact, std::max(1, static_cast<int>(contact / 4))),
          {.severity = input::Severity::warning, .reads = {"time.substeps", "dem.safety"}});
   s.rule("time.step", stones.empty() || moves || model.time.step > 0,
          "must be given: no stone is free, so that the program cannot derive a step from stability",

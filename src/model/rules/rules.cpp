@@ -294,19 +294,18 @@ bool has_corners(const bed::BedParameters& bed) {
 // lightest stone is known only roughly from the deck.
 void declare_steadiness(const Model& model, bool corners, input::Section& s) {
   const double steady = dem::steady_safety(model.physics);
-  s.rule(
-      "dem.safety", !corners || model.time.step > 0 || model.dem.safety <= steady,
-      fmt::format(
-          "may be too large for compacted stones with sticking contacts: with these k_s and zeta, "
-          "energy increased in tests with a safety above about {:.2f}; give at most this value",
-          steady),
-      {.severity = input::Severity::warning,
-       .reads = {"dem.safety", "time.step", "contact", "bed", "stone"}});
+  s.rule("dem.safety", !corners || model.time.step > 0 || model.dem.safety <= steady,
+         fmt::format("may be too large for compacted stones with sticking contacts: with the given "
+                     "k_n, k_s, zeta_n and zeta_s, energy increased in tests with a safety above "
+                     "about {:.2f}; give at most this value",
+                     steady),
+         {.severity = input::Severity::warning,
+          .reads = {"dem.safety", "time.step", "contact", "bed", "stone"}});
   const double of_friction = dem::steady_friction(model.physics);
   s.rule("dem.safety", corners || model.time.step > 0 || model.dem.safety <= of_friction,
-         fmt::format("is too large for the tangential damping of spheres: with these k_s and "
-                     "zeta_s, the tangential contact force changes its sign in each sub-step if "
-                     "dem.safety is above about {:.2f}; give at most this value",
+         fmt::format("is too large for the tangential damping of spheres: with the given k_n, k_s "
+                     "and zeta_s, the tangential contact force changes its sign in each sub-step "
+                     "if dem.safety is above about {:.2f}; give at most this value",
                      of_friction),
          {.severity = input::Severity::warning,
           .reads = {"dem.safety", "time.step", "contact", "bed", "stone"}});

@@ -143,7 +143,8 @@ void declare_rails(const Model& model, input::Section& s) {
       "other kinds load the seats",
       {.reads = {"load.kind", "solid.rails", "stage"}});
   s.rule("pad.bilinear_at", model.track.line.pad.bilinear_at == 0,
-         "must be 0 below solid rails, whose pads are linear", {.reads = {"pad", "solid.rails"}});
+         "must be 0 with solid.rails = true: pads of solid rails are linear",
+         {.reads = {"pad", "solid.rails"}});
 }
 
 }  // namespace

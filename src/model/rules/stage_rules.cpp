@@ -140,14 +140,18 @@ void declare_heights(const Model& model, input::Section& s) {
          {std::pair{"height", places ? stage.height : 0}, {"profile", stage.profile}}) {
       const std::string key = fmt::format("stage[{}].{}", i, name);
       s.rule(key, height <= beyond * bed,
-             fmt::format("is far above the bed, which is {:g} m high; is it in m?", bed),
+             fmt::format("is far above the bed, which is {:g} m high (more than {:g} times its "
+                         "height); is it in m?",
+                         bed, beyond),
              {.reads = {key, "bed"}});
     }
     // Beds have the height given in the deck to within about a tenth.
     constexpr double above = 1.2;
     const std::string sleepers = fmt::format("stage[{}].height", i);
     s.rule(sleepers, !places || !(stage.height > above * bed) || stage.height > beyond * bed,
-           fmt::format("puts the sleepers above the bed, which is about {:g} m high", bed),
+           fmt::format("puts the sleepers above the bed, which is about {:g} m high (more than "
+                       "{:g} times its height)",
+                       bed, above),
            {.severity = input::Severity::warning, .reads = {sleepers, "bed"}});
     const double stone = model.bed.sieve.empty() ? 0 : 1e-3 * model.bed.sieve.back();  // mm
     const std::string key = fmt::format("stage[{}].height", i);

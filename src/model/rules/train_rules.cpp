@@ -20,19 +20,21 @@ namespace {
 
 constexpr double alike = 1e-6;  // relative, of lengths that are meant to be equal
 
-// Whether sections of a track have their defaults; solid rails use rail and pad.
-bool untouched(const Model& model) {
+// Sections of a track that would have no effect without a train; solid rails use rail and pad.
+std::vector<std::string> idle_sections(const Model& model) {
+  if (model.has_train()) return {};
   TrackModel track = model.track;
   if (model.solid.rails) track.line.rail = {}, track.line.pad = {};
-  return track.untouched();
+  return track.given_sections();
 }
 
 // Sections of rail and train without a train would have no effect.
 void declare_presence(const Model& model, input::Section& s) {
-  s.rule("model", model.has_train() || untouched(model),
-         "must be \"track\", or a stage must have train = true: otherwise the given sections of "
-         "rail and train have no effect (these are rail, pad, under_sleeper_pad, ballast, track, "
-         "vehicle, train, wheel_rail, irregularity, irregularity_right, passage)",
+  const std::vector<std::string> idle = idle_sections(model);
+  s.rule("model", idle.empty(),
+         fmt::format("must be \"track\", or a stage must have train = true: otherwise sections of "
+                     "rail and train that are in the deck have no effect ({})",
+                     fmt::join(idle, ", ")),
          {.reads = {"model"}});
   const track::SeatParameters none;
   s.rule("seat",
@@ -96,7 +98,7 @@ void declare_place(const Model& model, input::Section& s) {
          about);
   s.rule("track.length", last <= (track.length - track.run_in) * (1 + alike),
          fmt::format("must be at least {:g} m: {:g} m up to the last sleeper of the bed, and the "
-                     "run-out behind it",
+                     "run-out beyond it",
                      last + track.run_in, last),
          about);
   s.rule("train.start", model.track.train.start <= 0,
@@ -165,13 +167,15 @@ void declare_sides(const Model& model, input::Section& s) {
   s.rule("track.dimension", model.dimension == Dimension::space,
          "must be \"plane\" in a plane model, whose sleepers do not roll (dimension)", about);
   s.rule("seat.rails", model.seat.rails == 2,
-         "must be 2 below two rails (track.dimension = \"space\")", about);
+         "must be 2 if track.dimension = \"space\": the bed then carries both rails", about);
   const double gauge = model.track.line.track.gauge, length = model.sleepers.length;
   s.rule("track.gauge", gauge < length,
          fmt::format("must be below the length of the bed's sleepers, which is {:g} m", length),
          about);
   s.rule("track.sleeper_length", model.track.line.track.sleeper_length > gauge,
-         fmt::format("must be above the gauge of {:g} m: rails rest on the sleepers", gauge),
+         fmt::format("must be above the distance of the rail centrelines, track.gauge = {:g} m: "
+                     "rails rest on the sleepers",
+                     gauge),
          about);
   if (model.sleepers.model == track::SleeperBody::solid) return declare_solid_sides(model, s);
   const auto& free = model.sleepers.free;

@@ -100,7 +100,7 @@ std::string status_of(const World& world) {
   return fmt::format(
       "E_kin {:.3g} J | largest overlap {:.3g} um | unbalanced {:.2g} | {} contacts{}{}",
       totals.kinetic, totals.largest_overlap * 1e6, totals.unbalanced, totals.contacts,
-      deep > 0 ? fmt::format(" | cores overlapped {} times", deep) : "",
+      deep > 0 ? fmt::format(" | {} overlaps deeper than the roundings", deep) : "",
       world.platen ? fmt::format(" | platen {:.1f} kPa at {:.4f} m", world.platen->pressure() / 1e3,
                                  world.platen->z())
                    : "");

@@ -89,8 +89,11 @@ std::string warning_of_bed(const World& world, std::span<const Stage> done) {
     return {};
   return fmt::format(
       "the compacted bed is {:.3g} m high and has a porosity of {:.2f}; at the porosity of the "
-      "deck, {:.3g}, these stones would make a bed of {:.3g} m (height in the deck: {:g} m)",
-      height, 1 - volume / (area * height), expected.porosity, expected_height, expected.height);
+      "deck, {:.3g}, these stones would make a bed of {:.3g} m (height in the deck: {:g} m); a bed "
+      "may be {:g} % lower, or {:g} % plus {:.3g} m higher; check the stages, or change "
+      "bed.porosity",
+      height, 1 - volume / (area * height), expected.porosity, expected_height, expected.height,
+      100 * bed_tolerance, 100 * bed_tolerance, voids_at_faces);
 }
 
 // In stages of kind fill and cribs falling stones are expected to be fast.
@@ -107,10 +110,10 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
   // A few occur in fills with high speeds; each costs about a hundred contacts.
   const std::int64_t deep = world.particles.core_overlaps();
   if (deep > world.particles.totals().particles)
-    warnings.push_back(
-        fmt::format("cores of stones overlapped {} times (pairs, counted in each sub-step): give "
-                    "larger roundings (bed.polyhedron.rounding), stiffer contacts or lower speeds",
-                    deep));
+    warnings.push_back(fmt::format(
+        "stones overlapped by more than their roundings {} times (pairs, summed over sub-steps): "
+        "give larger roundings (bed.polyhedron.rounding), stiffer contacts or lower speeds",
+        deep));
   return warnings;
 }
 

@@ -249,7 +249,7 @@ std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
         totals.contacts, totals.particles);
   return fmt::format(
       "the mean net force divided by the mean contact force is {:.3g}; required: below {:g} "
-      "(stage.until_ratio); give a longer stage.duration or more damping",
+      "(stage.until_ratio); give a longer stage.duration or a larger stage.local_damping",
       totals.unbalanced, stage.until_ratio);
 }
 

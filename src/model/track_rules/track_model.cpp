@@ -10,6 +10,7 @@
 #include "model/track_rules/track_rules.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/input/deck.hpp"
+#include "trackbed/input/values.hpp"
 #include "trackbed/track/motion.hpp"
 #include "trackbed/track/vehicle_layout.hpp"
 
@@ -189,7 +190,9 @@ void declare_sides(const TrackModel& model, input::Section& s) {
   const track::TrackParameters& track = model.line.track;
   const bool two_seats = space && track.support == track::Support::sleepers && !model.on_bed;
   s.rule("track.sleeper_length", !two_seats || track.sleeper_length > track.gauge,
-         fmt::format("must be above the gauge of {:g} m: rails rest on the sleepers", track.gauge),
+         fmt::format("must be above the distance of the rail centrelines, track.gauge = {:g} m: "
+                     "rails rest on the sleepers",
+                     track.gauge),
          {.reads = {"track"}});
   for (std::size_t i = 0; i < model.passage.forces.size(); ++i)
     s.rule(fmt::format("force[{}].side", i), space || model.passage.forces[i].number() == 0,
@@ -199,7 +202,8 @@ void declare_sides(const TrackModel& model, input::Section& s) {
 void declare_bending(const TrackModel& model, input::Section& s) {
   if (model.line.track.sleeper.model == track::SleeperModel::rigid) return;
   s.rule("ballast.mass", model.line.ballast.mass == 0,
-         "must be 0 below sleepers that bend: their ballast is distributed along them",
+         "must be 0 with track.sleeper.model = \"beam\": the ballast of such sleepers is "
+         "distributed along them",
          {.reads = {"track", "ballast"}});
   s.rule("track.sleeper.model", !model.on_bed,
          "must be \"rigid\" on a bed, whose sleepers are those of [sleepers]",
@@ -217,8 +221,8 @@ void declare_under_sleeper(const TrackModel& model, input::Section& s) {
          "needs sleepers: there are none (track.support)", about);
   s.rule("under_sleeper_pad.stiffness",
          model.line.track.sleeper.model == track::SleeperModel::rigid,
-         "must be 0 below sleepers that bend (track.sleeper.model), whose ballast is distributed "
-         "along them",
+         "must be 0 with track.sleeper.model = \"beam\": the ballast of such sleepers is "
+         "distributed along them",
          about);
 }
 
@@ -335,7 +339,7 @@ void TrackModel::declare(input::Section& s) {
   }
   s.table("pad", line.pad, "Rail pads.");
   s.table("ballast", line.ballast,
-          "Ballast springs of a track alone or on a ground, and before and behind a bed.");
+          "Ballast springs of a track alone or on a ground, and before and beyond a bed.");
   fixed.end();
   s.table("under_sleeper_pad", line.under_sleeper,
           "Pads below the sleepers of a track alone or on a ground.");
@@ -406,13 +410,21 @@ std::optional<track::SeatLoad> seats_of(const TrackModel& model) {
 }
 
 // The comparison as text includes every parameter.
-bool TrackModel::untouched() const {
-  const auto text = [](TrackModel model) {
-    return input::effective([&model](input::Section& s) { model.declare(s); });
+std::vector<std::string> TrackModel::given_sections() const {
+  const auto values = [](TrackModel model) {
+    return input::values_of(input::effective([&model](input::Section& s) { model.declare(s); }));
   };
   TrackModel none;
   none.on_bed = on_bed, none.on_ground = on_ground;
-  return text(*this) == text(none);
+  const input::Values usual = values(none);
+  std::vector<std::string> sections;
+  for (const auto& [key, value] : values(*this)) {
+    const auto other = usual.find(key);
+    const std::string section = key.substr(0, key.find_first_of(".["));
+    if (other != usual.end() && other->second == value) continue;
+    if (sections.empty() || sections.back() != section) sections.push_back(section);
+  }
+  return sections;
 }
 
 }  // namespace trackbed::model

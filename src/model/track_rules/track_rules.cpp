@@ -125,7 +125,7 @@ void declare_unused(const track::IrregularityParameters& p, const std::string& s
   const bool closed = one || p.kind == Kind::waves, random = p.kind == Kind::spectrum;
   const auto unused = [&](const char* name, bool given, bool used) {
     s.rule(fmt::format("{}.{}", section, name), !given || used,
-           fmt::format("has no effect with this {}.kind", section),
+           fmt::format("has no effect with {}.kind = \"{}\"", section, track::word_of(p.kind)),
            {.severity = input::Severity::warning, .reads = {section}});
   };
   unused("at", p.at != none.at, closed);

@@ -28,6 +28,8 @@ namespace {
 constexpr double two_pi = 2 * std::numbers::pi;
 constexpr int lines = 400;
 constexpr double samples_per_wave = 20;
+const std::vector<std::string_view> kind_words = {"none",  "versine",  "vee",  "joint",
+                                                  "waves", "spectrum", "file", "same"};
 constexpr double d1_shortest = 3, d1_longest = 25;  // m, EN 13848-1
 
 // ERRI B176, A in m rad: A Wc^2/((W^2 + Wr^2)(W^2 + Wc^2)).
@@ -101,9 +103,13 @@ double rms_of(Spectrum spectrum, double shortest, double longest) {
   return std::sqrt(sum);
 }
 
+std::string_view word_of(IrregularityKind kind) {
+  return kind_words[static_cast<std::size_t>(kind)];
+}
+
 // Each kind uses some of these; the descriptions state which.
 void IrregularityParameters::declare(input::Section& s) {
-  s.choice("kind", kind, {"none", "versine", "vee", "joint", "waves", "spectrum", "file", "same"},
+  s.choice("kind", kind, kind_words,
            "Shape of the running surface; none: even; versine: a smooth dip; vee: a dip of two "
            "ramps; joint: a dip of two parabolas with a kink; waves: successive smooth dips; "
            "spectrum: random; file: measured; same: that of the left rail.");

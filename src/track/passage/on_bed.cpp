@@ -81,13 +81,15 @@ struct TrainOnBed::Impl {
 
 // Limits: a slice may be as thin as a stone, whole sleepers carry two rails.
 void SeatParameters::declare(input::Section& s) {
-  s.integer("before", before, {.at_least = 0, .at_most = 10000},
-            "Number of sleepers on springs ([ballast]) before the first sleeper of the bed; the "
-            "rest of the track (track.length) is behind the last sleeper of the bed.");
-  s.number("rails", rails, {.above = 0, .at_most = 2},
-           "Number of rails whose load the sleepers of the model carry: 1 for half a track; 2 for "
-           "a whole track, whether track.dimension is plane or space; below 1 for a slice of a "
-           "bed: the fraction of the load of one rail that this width carries.");
+  s.integer(
+      "before", before, {.at_least = 0, .at_most = 10000},
+      "Number of sleepers on springs ([ballast]) before the first sleeper of the bed; the rest of "
+      "the track, up to track.length, lies beyond the last sleeper of the bed (larger x).");
+  s.number(
+      "rails", rails, {.above = 0, .at_most = 2},
+      "Number of rails whose load the sleepers of the model carry: 1 for half a track; 2 for a "
+      "whole track, whether track.dimension is plane or space; less than 1: the bed is a slice "
+      "narrower than half a track; the value is the fraction of one rail's load that it carries.");
 }
 
 TrainOnBed::TrainOnBed(const TrainOnBedParameters& parameters, const std::vector<double>& levels)

@@ -177,10 +177,11 @@ void TrackParameters::declare_sleepers(input::Section& s) {
                                      "sleeper_length", "sleeper_inertia"}};
   s.rule("sleeper.model", !bends || support == Support::sleepers,
          "must be \"rigid\": the track has no sleepers (support)", about);
-  s.rule(
-      "sleeper_length", !bends || sleeper_length > gauge,
-      fmt::format("must be longer than the gauge of {:g} m: the seats are on the sleepers", gauge),
-      about);
+  s.rule("sleeper_length", !bends || sleeper_length > gauge,
+         fmt::format("must be longer than the distance of the rail centrelines, track.gauge = {:g} "
+                     "m: the seats are on the sleepers",
+                     gauge),
+         about);
   s.rule("rails", !bends || rails == 2,
          "must be 2 with bending sleepers: a plane track has half of each sleeper", about);
   s.rule("sleeper_inertia", !bends || sleeper_inertia == 0,
@@ -201,8 +202,8 @@ void TrackParameters::declare(input::Section& s) {
            "Ends of the rail; pinned ends have a fixed height, equal to that of the rigid rails "
            "beyond.");
   s.integer("rails", rails, {.at_least = 1, .at_most = 2},
-            "Number of rails of the track. The computed rail carries the fraction 1/rails of "
-            "vehicles and sleepers; 1: whole vehicles and sleepers.");
+            "Number of rails of the track. With dimension = \"plane\" one rail is modelled; it "
+            "carries 1/rails of vehicles and sleepers (1: all of them).");
   s.number("length", length, {.unit = "m", .above = 0, .usually_to = 2000},
            "Length of the track, from x = 0; beyond its ends wheels roll on rigid rails.");
   s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.1, .usually_to = 30},

@@ -101,7 +101,8 @@ void WheelRailParameters::declare(input::Section& s) {
   s.number("poisson", bodies.poisson, {.above = -1, .at_most = 0.5},
            "Poisson's ratio of wheel and rail in their contact (hertz).");
   s.number("constant", constant, {.unit = "N/m^1.5", .at_least = 0, .usually_from = 1e10},
-           "Constant C of F = C * approach^1.5 (hertz); 0: from radii and moduli.");
+           "Constant C of F = C * approach^1.5 (hertz), 0 or at least 1000 N/m^1.5; 0: from radii "
+           "and moduli.");
   s.number("stiffness", stiffness, {.unit = "N/m", .above = 0},
            "Contact stiffness of one wheel on one rail (linear).");
   s.integer("flat_axle", flat_axle, {.at_least = 0, .at_most = 10000},
@@ -111,7 +112,7 @@ void WheelRailParameters::declare(input::Section& s) {
            "wheel_radius).");
   s.number("flat_at", flat_at, {.unit = "m"},
            "An x where the middle of the flat touches the rail; it also touches the rail at every "
-           "whole number of wheel circumferences before and behind this x.");
+           "whole number of wheel circumferences before and beyond this x.");
   const input::About about{.severity = input::Severity::warning,
                            .reads = {"law", "constant", "stiffness"}};
   s.rule("stiffness", law == WheelRailLaw::linear || stiffness == WheelRailParameters().stiffness,

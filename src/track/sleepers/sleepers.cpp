@@ -271,7 +271,8 @@ std::string RigidSleepers::trouble() const {
   for (std::size_t i = 0; i < count(); ++i) {
     const Body& body = impl_->bodies[i];
     if (!body.displacement.allFinite() || !body.attitude.coeffs().allFinite())
-      return fmt::format("position of sleeper {} is not a number; reduce the time step", i);
+      return fmt::format(
+          "position of sleeper {} is not a number; use a smaller time.step or dem.safety", i);
   }
   return "";
 }

@@ -257,6 +257,15 @@ constexpr Usage usages[] = {{"body_mass", &V::body_mass, by_bodies},
                             {"secondary_base", &V::secondary_base, by_bogies},
                             {"body_offset", &V::body_offset, by_bodies}};
 
+std::string kinds_with(Has property) {
+  std::vector<std::string_view> found;
+  const std::vector<std::string_view> kinds = vehicle_kinds();
+  for (std::size_t k = 0; k < kinds.size(); ++k)
+    if (!kinds[k].empty() && property(layout_of(static_cast<VehicleKind>(k))))
+      found.push_back(kinds[k]);
+  return fmt::format("{}", fmt::join(found, " or "));
+}
+
 // Errors for a vehicle that is like one of the library: its values in the deck would be taken as
 // used. Warnings for other vehicles, whose kind may be changed on the command line.
 void declare_unused(const V& given, const V& whole, input::Section& s) {
@@ -268,7 +277,7 @@ void declare_unused(const V& given, const V& whole, input::Section& s) {
   const VehicleLayout layout = layout_of(whole.kind);
   for (const Usage& one : usages)
     s.rule(one.name, given.*one.number == 0 || one.by(layout),
-           "has no effect on a vehicle of this kind", about);
+           fmt::format("has no effect: it is for vehicles of kind {}", kinds_with(one.by)), about);
   const bool forces = layout.constant;
   s.rule("axles", given.axles.empty() || forces,
          "is only for vehicles of constant forces (kind = \"forces\")", about);
@@ -302,9 +311,11 @@ void VehicleParameters::declare_roll(input::Section& s) {
   inertia("wheelset_roll", wheelset_roll,
           "Roll inertia of one wheelset (on two rails); 0: mass * (0.79 m)^2.");
   s.number("primary_base", primary_base, {.unit = "m", .at_least = 0, .usually_to = 3},
-           "Lateral distance of left and right primary springs (on two rails); 0: 2 m.");
+           "Lateral distance of left and right primary springs (on two rails), 0 or at least 0.01 "
+           "m; 0: 2 m.");
   s.number("secondary_base", secondary_base, {.unit = "m", .at_least = 0, .usually_to = 3},
-           "Lateral distance of left and right secondary springs (on two rails); 0: 2 m.");
+           "Lateral distance of left and right secondary springs (on two rails), 0 or at least "
+           "0.01 m; 0: 2 m.");
   constexpr double narrow = 0.01;  // m; below it the springs give no roll stiffness
   for (const auto& [of, base] :
        {std::pair{"primary_base", primary_base}, std::pair{"secondary_base", secondary_base}})
@@ -390,7 +401,7 @@ void TrainParameters::declare(input::Section& s) {
            "Speed along x at the start, constant unless train.times are given; 0: the train stands "
            "at train.start for passage.duration.");
   s.number("start", start, {.unit = "m", .usually_from = -500, .usually_to = 2000},
-           "x of the first axle at the start.");
+           "x of the first axle at the start; on a bed or a ground at most 0.");
   s.numbers("times", times, {.unit = "s", .above = 0, .usually_to = 1000},
             "Times since the start at which train.speeds are reached; up to the last time the "
             "speed varies linearly; after it, the speed is constant.");

@@ -386,7 +386,8 @@ TEST(StonePair, ValuesThatAreNotNumbersEndTheRun) {
   dem::Particles p = two(a, a, row, elastic());
   p.advance(1e-5, 2);
   EXPECT_EQ(p.trouble(),
-            "the position or attitude of particle 2 is not a number; use smaller steps");
+            "the position or attitude of particle 2 is not a number; use a smaller time.step or "
+            "dem.safety");
 }
 
 }  // namespace

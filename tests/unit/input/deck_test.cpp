@@ -195,7 +195,7 @@ TEST(Deck, ChecksRulesAcrossSections) {
             (Sentences{"deck.toml:1: box = 1 must be a list of 3 numbers",
                        "deck.toml:6: layer[0].depth = 4: is too thin"}));
   EXPECT_EQ(problems("[dem]\nskin = 5\n[[layer]]\nyoung = 1\n"),
-            Sentences{"deck.toml:3: layer[0].depth: is too thin"});
+            Sentences{"deck.toml:3: layer[0].depth = 1.0 (default): is too thin"});
   EXPECT_EQ(problems("[dem]\nskin = 5\n[[layer]]\nyoung = 1\ndepth = -4\n"),
             Sentences{"deck.toml:5: layer[0].depth = -4 must be above 0 and at most 100 m"});
   // Rules that use parameters of a rejected section are skipped.
