@@ -66,7 +66,10 @@ template <bool rolls, class Real, class Yielding>
   const Triple<Real> v = p + (rate - dot(p, n)) * n;
   Springs<Real> law = g.law;
   law.mu = law.mu * length;
-  const auto c = coefficients<true>(law, g.M, g.root_mass, g.radius);
+  auto c = coefficients<true>(law, g.M, g.root_mass, g.radius);
+  // Stiffness and damper act along the motion of a face with |N|^2: divided by |N|, the damper
+  // keeps the damping ratio of the law, and so its restitution.
+  c.c_n = c.c_n / larger(length, Real{} + 1.0);
   const Real mass = g.root_mass * g.root_mass, tiny = Real{} + 1e-300;
   const Real over = square / larger(mass, tiny);
   const Real most = over + dot(g.T, g.T) * g.inverse_moment_i + dot(S, S) * g.inverse_moment_j;

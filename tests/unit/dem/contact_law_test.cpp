@@ -71,6 +71,51 @@ TEST(ContactLaw, AFaceSharesItsFrictionBetweenSlipAndRotation) {
   }
 }
 
+// 4/3 E*, 8 G* and the dampers of both stiffnesses (Tsuji et al. 1992); parallel cylinders in a
+// plane have k_s/k_n = 4 G*/E*.
+TEST(ContactLaw, HertzHasTheDampersOfBothStiffnesses) {
+  constexpr double young = 2e9, nu = 0.3, e = 0.5;
+  ContactLaw law{.first = "a", .second = "a"};
+  law.kind = LawKind::hertz, law.restitution = e;
+  Physics physics;
+  physics.materials = {{.name = "a", .young = young, .poisson = nu}};
+  physics.laws = {law};
+  const Springs<double> s = LawTable(physics)[0].springs;
+  const double e_star = young / (2 * (1 - nu * nu)), g_star = young / (4 * (2 - nu) * (1 + nu));
+  EXPECT_NEAR(s.k_n, 4.0 / 3 * e_star, 1e-9 * s.k_n);
+  EXPECT_NEAR(s.k_s, 8 * g_star, 1e-9 * s.k_s);
+  EXPECT_NEAR(s.c_s / s.c_n, std::sqrt(8 * g_star / (2 * e_star)), 1e-9);
+}
+
+// Restitution of a head-on impact on a contact whose normal has the length |N|: n equal features
+// have n^(1/6). The damping ratio is that of the law, whatever |N|.
+TEST(ContactLaw, AFaceHasTheRestitutionOfACorner) {
+  constexpr double mass = 0.5, speed = 0.3, zeta = 0.2, dt = 1e-6;
+  const auto restitution = [&](double length, bool hertz) {
+    StoneTouch<double> g{};
+    g.N = {0, 0, length}, g.root_mass = std::sqrt(mass), g.radius = 5e-3;
+    g.law = {.k_n = hertz ? 1e9 : 1e6, .hertz = hertz ? 1.0 : 0.0};
+    g.law.c_n = 2 * zeta * std::sqrt(g.law.k_n);
+    StoneStretch<double> h{};
+    double v = speed, depth = 0;
+    do {
+      depth += dt * v, g.M = length * depth, g.vi = {0, 0, v};
+      const auto f = respond<false>(
+          g, [](const Stretch&, bool) { return 0.0; }, dt, h);
+      v += dt * f.force.z / mass;
+    } while (depth > 0);
+    return -v / speed;
+  };
+  for (const bool hertz : {false, true}) {
+    const double corner = restitution(1, hertz);
+    EXPECT_GT(corner, 0.4);
+    EXPECT_LT(corner, 0.7);
+    // A contact takes some 1000 steps; of first order in the step.
+    for (const double features : {2, 4})
+      EXPECT_NEAR(restitution(std::pow(features, 1.0 / 6), hertz), corner, 2e-3);
+  }
+}
+
 TEST(ContactLaw, HistoryTurnsWithThePair) {
   // A stretched contact whose two particles rotate together about the normal: the spring rotates
   // with them, a quarter turn in 1000 steps, and never becomes longer, which would be work from
