@@ -18,14 +18,14 @@ enum class SeatLoadKind { winkler, power, table, seats };
 // = distance of axle from sleeper.
 struct SeatLoadParameters {
   SeatLoadKind kind = SeatLoadKind::winkler;
-  double peak = 71.1e3;                             // N, of a single axle
-  double speed = 18.6667;                           // m/s
+  double peak = 71.1e3;       // N, of a single axle
+  double speed = 18.6667;     // m/s
   std::vector<double> axles;  // m behind the first axle
-  double start = 0;        // m, x of the first axle at the start of the passage
-  double decay = 1.54257;  // 1/m, b of winkler
-  double ratio = 0.5531;   // X of power
-  std::string file;        // table, seats
-  double gauge = 0;        // m, between two seats of a sleeper with a column each; 0: one seat
+  double start = 0;           // m, x of the first axle at the start of the passage
+  double decay = 1.54257;     // 1/m, b of winkler
+  double ratio = 0.5531;      // X of power
+  std::string file;           // table, seats
+  double gauge = 0;           // m, between two seats of a sleeper with a column each; 0: one seat
   void declare(input::Section& s);
   bool is_table() const { return kind == SeatLoadKind::table || kind == SeatLoadKind::seats; }
 };

@@ -248,7 +248,7 @@ template <class Real>
   return select(ends, stretch / larger(travel, tiny), Real{} + 1.0);
 }
 
-// What the limit leaves of a spring and its dashpot: the share of the stretch that remains, and
+// What the limit leaves of a spring and its dashpot: the fraction of the stretch that remains, and
 // their force. `Vector`: a vector in the plane of contact, or an `InFace`.
 template <class Real, class Vector>
 struct Limited {
