@@ -226,7 +226,7 @@ IDLE = [
     ("the rail is rigid in shear", ["rail.theory=euler"], ["rail.theory=timoshenko"],
      {"rail.poisson": "rail.poisson=0.27", "rail.shear_factor": "rail.shear_factor=0.34"}),
     ("seat loads replace rail and train", SEATS,
-     ['train.vehicles=["manchester_1"]', "passage.loaded_by=train"],
+     ['train.vehicles=["manchester_1"]', "passage.loaded_by=train", "load.axles=[]"],
      {"pad": "pad.damping=20e3", "rail": "rail.section=54E1", "train.speed": "train.speed=40",
       "train.start": "train.start=0", "wheel_rail": "wheel_rail.wheel_radius=0.5",
       "irregularity.kind": "irregularity.kind=vee"}),

@@ -220,13 +220,15 @@ void declare_passages(const Model& model, input::Section& s) {
   if (load.is_table() || model.sleepers.count < 1) return;
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     if (model.stages[i].kind != StageKind::passage || model.stages[i].train) continue;
-    s.rule("load.axles", !load.axles.empty(),
+    // With `start`, stages before the last one may be done.
+    const bool may_be_done = !model.start.empty() && i + 1 < model.stages.size();
+    s.rule("load.axles", !load.axles.empty() || may_be_done,
            fmt::format("must be given for the stage \"{}\" of kind passage: the distance of each "
                        "axle behind the first in m, for example [0, 2.8] for a bogie; or set train "
                        "= true for a vehicle on a rail",
                        model.stages[i].name),
            {.reads = {"load", "stage"}});
-    if (load.axles.empty()) return;
+    if (load.axles.empty()) continue;
     const std::string duration = fmt::format("stage[{}].duration", i);
     const input::About about{
         .reads = {"load", "sleepers.count", "sleepers.first", "sleepers.spacing", duration}};

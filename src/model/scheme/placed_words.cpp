@@ -57,7 +57,7 @@ bool came_from_behind(const World& world, const Vec3& centre, const std::string&
 }  // namespace
 
 std::string by_names(const std::string& problem, const World& world) {
-  static const std::regex one("particle (\\d+)"), two("^two particles"),
+  static const std::regex one("particle (\\d+)"), two("^two stones"),
       surface("overlaps the surface \"([^\"]*)\"");
   std::smatch found, where;
   if (std::regex_search(problem, found, two)) {

@@ -127,7 +127,8 @@ double SeatLoad::duration(double last_x) const {
   constexpr double run_out = 3;
   if (parameters_.kind == SeatLoadKind::seats) return times_.back();
   if (parameters_.kind == SeatLoadKind::table) return times_.back() + last_x / parameters_.speed;
-  const double last = *std::max_element(parameters_.axles.begin(), parameters_.axles.end());
+  double last = 0;  // without axles, of a stage that is done
+  for (const double behind : parameters_.axles) last = std::max(last, behind);
   return (last_x + run_out + last - parameters_.start) / parameters_.speed;
 }
 

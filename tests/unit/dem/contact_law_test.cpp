@@ -85,6 +85,29 @@ TEST(ContactLaw, HertzHasTheDampersOfBothStiffnesses) {
   EXPECT_NEAR(s.k_n, 4.0 / 3 * e_star, 1e-9 * s.k_n);
   EXPECT_NEAR(s.k_s, 8 * g_star, 1e-9 * s.k_s);
   EXPECT_NEAR(s.c_s / s.c_n, std::sqrt(8 * g_star / (2 * e_star)), 1e-9);
+  physics.thickness = 0.7;  // m
+  const Springs<double> line = LawTable(physics)[0].springs;
+  EXPECT_NEAR(line.k_n, M_PI / 4 * e_star * physics.thickness, 1e-9 * line.k_n);
+  EXPECT_NEAR(line.k_s / line.k_n, 4 * g_star / e_star, 1e-9);
+}
+
+// Resistance to rolling is limited by the normal force, f_n |N|.
+TEST(ContactLaw, RollingOfAFaceIsLimitedByItsNormalForce) {
+  constexpr double mu = 0.1, radius = 0.03, dt = 1e-5, length = 1.26;
+  StoneTouch<double> g{};
+  g.N = {0, 0, length}, g.M = 1e-5, g.root_mass = 0.1, g.radius = 1e-3;
+  g.law = {.k_n = 1e6}, g.rolling = {.mu = mu, .stiffness = 1}, g.rolling_radius = radius;
+  g.wi = {3, -4, 0};
+  StoneStretch<double> h{};
+  StoneForce<double> f{};
+  for (int step = 0; step < 1000; ++step)
+    f = respond<true>(
+        g, [](const Stretch&, bool) { return 0.0; }, dt, h);
+  EXPECT_NEAR(f.force.z, -f.f_n * length, 1e-12 * f.f_n);
+  const double limit = radius * mu * f.f_n * length;
+  EXPECT_NEAR(f.turn_i.x, -0.6 * limit, 1e-9 * limit);
+  EXPECT_NEAR(f.turn_i.y, 0.8 * limit, 1e-9 * limit);
+  EXPECT_EQ(f.turn_j.x, f.turn_i.x);  // of the opposite sign when it is added
 }
 
 // Restitution of a head-on impact on a contact whose normal has the length |N|: n equal features

@@ -20,6 +20,7 @@ constexpr double duration = 0.4;  // s
 // Bogies of a locomotive at 200 km/h; the first axle starts half a metre before the sleeper.
 SeatLoad load() {
   SeatLoadParameters p;
+  p.axles = {0, 2.8, 9.0, 11.8};
   p.speed = 200 / 3.6;
   p.start = 11.5;
   return SeatLoad(p, 0.6, 41);
