@@ -287,7 +287,8 @@ def _verdict(change, wanted, by_wedge):
     if abs(change) <= CLEAR:
         return f"no clear effect (within {CLEAR:.0%})"
     if not by_wedge:
-        return "of the first run relative to the second; their grounds differ by no absent block"
+        return ("relative to the second run; not judged, since the second run does not lack a "
+                "block of the first run's ground")
     return f"{'as' if change * wanted > 0 else 'NOT as'} expected of a wedge"
 
 

@@ -242,8 +242,8 @@ std::vector<T> File::read_rows(const std::string& path, std::size_t begin,
 }
 
 // Columns of a history grow together, one dataset each: after a kill they may have different
-// lengths, so results are appended to a copy (see observe). It is therefore flushed when it is
-// closed only: each flush waits for the disk.
+// lengths, so results are appended to a second file (see observe). It is therefore flushed when it
+// is closed only: each flush waits for the disk.
 template <class T>
 void File::append(const std::string& path, std::span<const T> mine, std::size_t columns,
                   const Label& label) {

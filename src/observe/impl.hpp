@@ -1,6 +1,7 @@
 // Implementation of Results: columns of the histories and their file.
 #pragma once
 
+#include <array>
 #include <functional>
 
 #include "trackbed/observe/results.hpp"
@@ -32,11 +33,11 @@ struct Results::Impl {
   void flush();
   void prepare_twin();
   void change_twin(const std::function<void(io::File&)>& change);
-  std::vector<std::vector<Column>*> groups() {
-    return {&energy, &sleeper, &ground, &region, &wall, &platen, &train, &solid, &placed};
-  }
-  std::vector<const std::vector<Column>*> groups() const {
-    return {&energy, &sleeper, &ground, &region, &wall, &platen, &train, &solid, &placed};
+  // Columns of all groups; `impl` is an Impl or a constant one.
+  template <class Self>
+  static auto groups_of(Self& impl) {
+    return std::array{&impl.energy, &impl.sleeper, &impl.ground, &impl.region, &impl.wall,
+                      &impl.platen, &impl.train,   &impl.solid,  &impl.placed};
   }
   void append_to(io::File& file);  // the rows in memory
   void append_last_to(io::File& file) const;

@@ -278,14 +278,14 @@ void append_rows(const par::Comm& comm, io::File& file, const std::vector<double
 }  // namespace
 
 void Results::Impl::append_last_to(io::File& file) const {
-  append_rows(comm, file, last_times, last_stages, groups(), &Column::last);
+  append_rows(comm, file, last_times, last_stages, groups_of(*this), &Column::last);
 }
 
 void Results::Impl::append_to(io::File& file) {
-  append_rows(comm, file, times, stages, groups(), &Column::values);
+  append_rows(comm, file, times, stages, groups_of(*this), &Column::values);
   last_times.swap(times), last_stages.swap(stages);
   times.clear(), stages.clear();
-  for (auto* group : groups())
+  for (auto* group : groups_of(*this))
     for (Column& column : *group) column.last.swap(column.values), column.values.clear();
 }
 

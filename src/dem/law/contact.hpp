@@ -333,6 +333,13 @@ struct Twisting {
   Real arm, rate, kept;
 };
 
+// N, and Nm about n; on i.
+template <class Real>
+struct FaceFriction {
+  Triple<Real> force;
+  Real moment;
+};
+
 // Friction of a face and its moment about n, on i; moves the stretch xi (m) and the angle `turn`
 // (rad) by dt. The points of the face share their friction between slip and rotation: their springs
 // k_s act as a ring, of the stiffness k_s arm^2 (Nm/rad), and force and moment have the common
@@ -340,12 +347,8 @@ struct Twisting {
 //   F^2 + (moment / arm)^2 <= (mu F_n)^2,
 // an ellipsoid instead of the exact limit surface (Goyal, Ruina, Papadopoulos 1991,
 // doi:10.1016/0043-1648(91)90104-3; Howe, Cutkosky 1996, doi:10.1177/027836499601500603). In
-// (force, moment / arm) it is a ball, so that cutting takes energy as for force alone.
-template <class Real>
-struct FaceFriction {
-  Triple<Real> force;
-  Real moment;
-};
+// (force, moment / arm) it is a ball, so that the limit takes energy out as for a force alone. The
+// prediction of the next step (`before_end`) leaves torsion out.
 template <class Real>
 [[gnu::always_inline]] inline FaceFriction<Real> slide(const Slider<Real>& s,
                                                        const NextStep<Real>& next,
