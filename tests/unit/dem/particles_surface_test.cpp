@@ -106,6 +106,30 @@ TEST(Surface, ASlightlyBentFloorHasOneContact) {
   EXPECT_NEAR(force.norm(), 2e5 * 0.5e-3, 2e-2 * 100);  // within the slope's 2 %, not doubled
 }
 
+// The floor moves under a ball that spins about the normal: the stretch of friction turns with half
+// the ball's spin, that of the contact.
+TEST(Surface, AStretchOfFrictionTurnsWithHalfTheSpin) {
+  constexpr double v = 1e-3, w = 50, time = 0.02;  // m/s, rad/s, s
+  constexpr int steps = 1000;
+  dem::ContactLaw law = rough();
+  law.friction = 1e3, law.zeta_n = law.zeta_s = 0;
+  dem::Particles p(par::Comm::self(), test::one_material(law), {.gravity = 0},
+                   test::box(Vec3::Constant(-2), Vec3::Constant(2)));
+  p.add_template(test::sphere());
+  dem::NewParticle one;
+  one.scale = 0.02, one.position = Vec3(0.013, 0.007, 0.0199);
+  one.held = true, one.spin.z() = w;
+  p.add(std::span(&one, 1));
+  Surface floor = test::floor_of(4, 0.5);
+  floor.motion.assign(floor.nodes(), Vec3(-v * time, 0, 0));
+  p.set_surfaces({&floor});
+  p.advance(time, steps);
+  const double a = 0.5 * w * time, size = law.k_s * v / (0.5 * w);
+  constexpr double margin = 2e-3;  // half a step of 1000
+  EXPECT_NEAR(p[0].force.x(), -size * std::sin(a), margin * size);
+  EXPECT_NEAR(p[0].force.y(), -size * (1 - std::cos(a)), margin * size);
+}
+
 TEST(Surface, AMovingFloorCarriesTheWeightOfTheSphere) {
   dem::Particles p(par::Comm::self(), test::one_material(rough()), {},
                    test::box(Vec3::Constant(-2), Vec3::Constant(2)));

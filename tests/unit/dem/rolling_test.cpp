@@ -100,6 +100,49 @@ TEST(Rolling, ADisplacementOfRollingTurnsWithHalfTheSpin) {
   EXPECT_NEAR(torque.x(), size * (1 - std::cos(a)), margin * size);
 }
 
+// A ball spins on a floor that rotates about the same axis through the point of contact: only the
+// difference of both spins is rolling.
+TEST(Rolling, OnASurfaceThatRotatesOnlyTheRelativeSpinIsRolling) {
+  constexpr double w_ball = 0.1, w_floor = 0.3;  // rad/s
+  constexpr int steps = 1000;
+  dem::ContactLaw law = rolling(1e3);
+  law.friction = 0, law.zeta_r = 0;
+  dem::NewParticle one = at_rest(0);
+  one.position.z() -= 1e-4;
+  one.held = true, one.spin.y() = w_ball;
+  Slope scene(law, test::sphere(r), one);
+  const Vec3 centre(one.position.x(), one.position.y(), 0);
+  for (std::size_t n = 0; n < scene.floor.nodes(); ++n)
+    scene.floor.motion[n] =
+        Vec3(0, w_floor * steps * dt, 0).cross(scene.floor.position[n] - centre);
+  scene.p.advance(steps * dt, steps);
+  const double angle = (w_ball - w_floor) * steps * dt;
+  const double size = 0.5 * law.k_n * r * r * angle;
+  constexpr double margin = 2e-3;  // one step of 1000, tilt of the floor
+  EXPECT_NEAR(scene.p[0].torque.y(), -size, margin * std::abs(size));
+}
+
+// The same for a pair: the displacement of rolling turns with the mean spin about the normal. The
+// free sphere is so heavy that it keeps its spin.
+TEST(Rolling, ADisplacementOfRollingTurnsWithTheMeanSpinOfAPair) {
+  constexpr double w_y = 1, w_z = 20, time = 0.02, heavy = 1e12;  // heavy: kg/m^3
+  dem::ContactLaw law = rolling(1e3);
+  law.friction = law.zeta_n = law.zeta_r = 0;
+  dem::Particles p(par::Comm::self(), test::one_material(law, heavy), {.gravity = 0},
+                   test::box(Vec3::Constant(-1), Vec3::Constant(1)));
+  p.add_template(test::sphere(r));
+  std::vector<dem::NewParticle> two(2);
+  two[0].held = true, two[0].spin = Vec3(0, w_y, w_z);
+  two[1].id = 1, two[1].spin = Vec3(0, 0, 2 * w_z), two[1].position.z() = 2 * r - 1e-4;
+  p.add(two);
+  p.advance(time, 1000);
+  const double a = 1.5 * w_z * time, reduced = r / 2;
+  const double size = 0.5 * law.k_n * reduced * reduced * w_y / (1.5 * w_z);
+  constexpr double margin = 2e-3;  // half a step of 1000
+  EXPECT_NEAR(p[0].torque.y(), -size * std::sin(a), margin * size);
+  EXPECT_NEAR(p[0].torque.x(), size * (1 - std::cos(a)), margin * size);
+}
+
 TEST(Rolling, ASphereRestsOnASlopeBelowTheLimitWithoutCreep) {
   Slope scene(rolling(), test::sphere(r), at_rest(0.9 * mu_r), 0.9 * mu_r);
   const double early = scene.x_after(1), late = scene.x_after(20);

@@ -234,6 +234,36 @@ TEST(StoneOnSurface, ASpinningBrickIsStopped) {
   EXPECT_LT(lean(stage.stone()), 1e-6);
 }
 
+// The two sides of a shallow valley are one patch. Sides that close upon the stone have no mean
+// motion; without friction only their motion along their normals counts, so that they act on it
+// like a valley that becomes deeper.
+TEST(StoneOnSurface, SidesOfAPatchThatCloseActLikeARisingOne) {
+  constexpr double slope = 0.1, dt = 1e-9, depth = 1e-4;  // -, s, m
+  constexpr double pace = 40;                            // 1/s, 0.1 m/s along the normals
+  const auto force = [&](const auto& velocity) {
+    dem::ContactLaw law = rough();
+    law.friction = 0, law.k_s = 0;
+    Surface valley = test::floor_of(4, 0.5);
+    for (Vec3& x : valley.position) x.z() = slope * std::abs(x.x());
+    const double reach = half.x() - rounding;
+    dem::NewParticle one;
+    one.position.z() =
+        half.z() - rounding + slope * reach + (rounding - depth) * std::hypot(1, slope);
+    Stage stage(test::brick(half, rounding), one, valley, law, 0);
+    for (std::size_t n = 0; n < stage.surface.nodes(); ++n)
+      stage.surface.motion[n] = dt * velocity(stage.surface.position[n]);
+    stage.particles.advance(dt, 1);
+    return stage.stone().force.z();
+  };
+  const double at_rest = force([](const Vec3&) { return Vec3(0, 0, 0); });
+  const double closing = force([](const Vec3& x) { return Vec3(-pace * x.x(), 0, 0); });
+  const double rising =
+      force([](const Vec3& x) { return Vec3(0, 0, slope * pace * std::abs(x.x())); });
+  EXPECT_GT(rising, 1.1 * at_rest);
+  constexpr double tilt = pace * dt;  // of the sides in a step, over the slope
+  EXPECT_NEAR(closing, rising, tilt * rising);
+}
+
 TEST(StoneOnSurface, AStoneBelowTheSurfaceComesBack) {
   // A core whose corners, or all of it, are below the surface.
   for (const double depth : {0.003, 0.02}) {
