@@ -36,6 +36,30 @@ set(TRACKBED_TEST_ENVIRONMENT OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CO
 # message. So one processor more than ranks: on two cores tests/run.sh starts nothing beside them.
 set(TRACKBED_OF_RANKS PROCESSORS 3)
 
+# trackbed_sweep(<test> COMMAND <word>... [EVERY <n>] [FIRST <k>] [PROPERTIES <name> <value>...])
+# A script with many cases. The test takes every nth of them from number k on; <test>_of_all, in the
+# long tier, takes all (tests/support/part.py). Without EVERY there is only the first.
+function(trackbed_sweep name)
+  cmake_parse_arguments(SWEEP "" "EVERY;FIRST" "COMMAND;PROPERTIES" ${ARGN})
+  set(forms ${name})
+  if(SWEEP_EVERY)
+    list(APPEND forms ${name}_of_all)
+  endif()
+  foreach(form ${forms})
+    add_test(NAME ${form} COMMAND ${SWEEP_COMMAND} WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+    # Both forms write to the same folder.
+    set_tests_properties(${form} PROPERTIES RESOURCE_LOCK ${name} ${SWEEP_PROPERTIES}
+      ENVIRONMENT "${TRACKBED_TEST_ENVIRONMENT}")
+  endforeach()
+  if(SWEEP_EVERY)
+    set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT TRACKBED_EVERY=${SWEEP_EVERY})
+    if(SWEEP_FIRST)
+      set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT TRACKBED_FIRST=${SWEEP_FIRST})
+    endif()
+    set_tests_properties(${name}_of_all PROPERTIES LABELS study TIMEOUT 3600)
+  endif()
+endfunction()
+
 # Where tests write their runs. tests/run.sh makes it a link to memory if there is enough: each
 # checkpoint waits for the disk, which takes a third of the time of a short run.
 set(TRACKBED_TEST_RUNS ${CMAKE_BINARY_DIR}/tests/runs)

@@ -8,6 +8,7 @@ import shutil
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from part import part  # noqa: E402
 from program import Program, expect  # noqa: E402
 from results import data  # noqa: E402
 
@@ -106,7 +107,7 @@ def main():
         return [change.replace("{folder}", str(folder)) for change in changes]
 
     problems = []
-    for name, change in KNOBS.items():
+    for name, change in part(KNOBS.items()):
         if name.endswith(".name"):
             continue  # a name appears only in messages, below
         around = with_folder(AROUND.get(name, []))
@@ -116,11 +117,11 @@ def main():
             problems.append(f"{name}: ends with {before[:2]}, {after[:2]}")
         if before == after:
             problems.append(f"{name}: {change} changes nothing")
-    for changes, words in REFUSED.items():
+    for changes, words in part(REFUSED.items()):
         ran = program(1, "run", deck, *with_folder(changes.split()), "-o", folder / "refused")
         if ran.returncode != 2 or words not in ran.stderr or (folder / "refused").exists():
             problems.append(f"{changes}: code {ran.returncode}, without \"{words}\": {ran.stderr}")
-    for changes, words in WARNED.items():
+    for changes, words in part(WARNED.items()):
         ran = program(1, "check", deck, *changes.split())
         if ran.returncode != 0 or words not in ran.stdout:
             problems.append(f"{changes}: no warning \"{words}\": {ran.stdout}{ran.stderr}")

@@ -9,6 +9,7 @@ import shutil
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from part import part  # noqa: E402
 from program import Program, summary  # noqa: E402
 from results import data  # noqa: E402
 
@@ -145,7 +146,7 @@ def stones(program, deck, folder):
     lost = [run["ground"]["plastic_j"] for run in found]
     if lost[0] != 0 or min(lost[1:]) <= 0:
         problems.append(f"plastic_j of one elastic and two yielding grounds: {lost}")
-    for change, words in BED_REFUSED.items():
+    for change, words in part(BED_REFUSED.items()):
         ran = program(1, "check", own, change)
         if ran.returncode != 2 or words not in ran.stderr:
             problems.append(f"check stones {change}: code {ran.returncode}, {ran.stderr}")
@@ -170,7 +171,7 @@ def seen(program, deck, folder, changes):
 def missing_reports(program, deck, place):
     """Problems of reports of `check` on changes."""
     problems = []
-    for changes, words in REPORTED.items():
+    for changes, words in part(REPORTED.items()):
         ran = program(1, "check", deck, *split(changes.format(**place)))
         lines = [line for line in ran.stdout.splitlines() if line.startswith("warning")]
         if len(set(lines)) < len(lines):
@@ -194,11 +195,11 @@ def main():
     problems = [] if before["code"] == 0 else [f"the base does not run: {before}"]
     if before != seen(program, deck, folder, []):
         problems.append("two equal runs differ: this test would be meaningless")
-    for name, change in KNOBS.items():
+    for name, change in part(KNOBS.items()):
         after = seen(program, deck, folder, split(change.format(**place)))
         if after["code"] != 0 or after == before:
             problems.append(f"{name}: {change} changes nothing, or: {after}")
-    for changes, words in REFUSED.items():
+    for changes, words in part(REFUSED.items()):
         for command in ("check", "run"):
             ran = program(1, command, deck, *split(changes.format(**place)),
                           *(["-o", folder / "none"] if command == "run" else []))
@@ -207,7 +208,7 @@ def main():
     problems += missing_reports(program, deck, place) + stones(program, deck, folder)
     if (folder / "none").exists():
         problems.append("a refused run must leave nothing behind")
-    print(f"{len(KNOBS)} parameters, {len(REFUSED)} refusals")
+    print(f"{len(part(KNOBS))} parameters, {len(part(REFUSED))} refusals")
     if problems:
         raise SystemExit("\n".join(problems))
 

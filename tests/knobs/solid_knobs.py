@@ -9,6 +9,7 @@ import shutil
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from part import part  # noqa: E402
 from program import Program, summary  # noqa: E402
 from results import data  # noqa: E402
 
@@ -104,30 +105,30 @@ def main():
                       "-o", folder / "none")
         if ran.returncode != 2 or words not in ran.stderr:
             problems.append(f"start with {change}: code {ran.returncode}, {ran.stderr}")
-    for change in [*KNOBS.values(), *ALSO]:
+    for change in part([*KNOBS.values(), *ALSO]):
         after = seen(program, deck, folder, [change])
         if after["code"] != 0:
             problems.append(f"{change}: {after['refusal']}")
         if after == before:
             problems.append(f"{change} changes nothing")
-    for changes, words in REFUSED.items():
+    for changes, words in part(REFUSED.items()):
         for command in ("check", "run"):
             ran = program(1, command, deck, *split(changes),
                           *(["-o", folder / "none"] if command == "run" else []))
             if ran.returncode != 2 or words not in ran.stderr:
                 problems.append(f"{command} {changes}: code {ran.returncode}, {ran.stderr}")
-    for changes, words in REPORTED.items():
+    for changes, words in part(REPORTED.items()):
         ran = program(1, "check", deck, *SHORT, *split(changes))
         if ran.returncode != 0 or words not in ran.stdout:
             problems.append(f"check {changes}: code {ran.returncode}, {ran.stdout}{ran.stderr}")
-    for changes, words in WARNED.items():
+    for changes, words in part(WARNED.items()):
         ran = program(1, "check", deck, *split(changes))
         if ran.returncode != 0 or not any(line.startswith("warning: ") and words in line
                                           for line in ran.stdout.splitlines()):
             problems.append(f"check {changes}: code {ran.returncode}, {ran.stdout}{ran.stderr}")
     if (folder / "none").exists():
         problems.append("a refused run must leave nothing behind")
-    print(f"{len(KNOBS)} parameters, {len(REFUSED) + len(PLACED)} refusals")
+    print(f"{len(part(KNOBS))} parameters, {len(part(REFUSED)) + len(PLACED)} refusals")
     if problems:
         raise SystemExit("\n".join(problems))
 

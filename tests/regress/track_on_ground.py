@@ -14,6 +14,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "support"))
 sys.path.insert(0, str(HERE.parent / "knobs"))
 from ground_knobs import KNOBS  # noqa: E402
+from part import part  # noqa: E402
 from program import Program, summary  # noqa: E402
 from results import datasets, same_bits  # noqa: E402
 
@@ -91,17 +92,17 @@ def check_balance(place, what, most=BALANCE):
 
 
 def check_refusals(program, deck):
-    for change, words in REFUSED.items():
+    for change, words in part(REFUSED.items()):
         ran = program(1, "check", deck, *change.split())
         if ran.returncode != 2 or words not in ran.stderr:
             raise SystemExit(f"{change} must be refused with {words}:\n{ran.stdout}{ran.stderr}")
     if WARNED["footing.width=0.7"] in program.done(1, "check", deck).stdout:
         raise SystemExit("separate footprints must not give a warning")
-    for change, words in WARNED.items():
+    for change, words in part(WARNED.items()):
         ran = program.done(1, "check", deck, change)
         if words not in ran.stdout:
             raise SystemExit(f"{change}: {words} is required:\n{ran.stdout}{ran.stderr}")
-    for changes, wanted, silent in STEPS:
+    for changes, wanted, silent in part(STEPS):
         reported = [line for line in program.done(1, "check", deck, *changes).stdout.splitlines()
                     if line.startswith("warning: ")]
         if any(words not in "".join(reported) for words in wanted) or any(
@@ -180,6 +181,13 @@ def check_unused_options(program, deck, folder):
                        "500", "-ground_mistyped", "1")
     if "-ground_ksp_max_it" in ran.stdout or "-ground_mistyped was set but never" not in ran.stdout:
         raise SystemExit(f"check of an implicit ground names the wrong options:\n{ran.stdout}")
+    # An invalid option is found before --force removes results.
+    implicit = "ground.integrator=newmark"
+    program.done(1, "run", deck, implicit, "output.stop_after=2", "-o", folder / "begun", code=3)
+    for command in ([*run, implicit], ["resume", folder / "begun", "-o", folder / "options"]):
+        program.done(1, *command, "--force", "--", "-ground_ksp_type", "nosuch", code=2)
+        if not (folder / "options/results.h5").exists():
+            raise SystemExit(f"{command[0]} with an invalid option must remove nothing")
 
 
 def check_knobs(program, deck, folder):
@@ -188,7 +196,7 @@ def check_knobs(program, deck, folder):
         program.done(1, "run", deck, *words, "--force", "-o", place)
         return summary(place)["track"]["state_hash"]
 
-    for name, (change, around) in KNOBS.items():
+    for name, (change, around) in part(KNOBS.items()):
         if seen([*around, change]) == seen(around):
             raise SystemExit(f"{name}: {change} has no effect")
 

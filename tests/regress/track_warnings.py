@@ -12,6 +12,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from part import part  # noqa: E402
 from program import Program, summary  # noqa: E402
 
 FORCE = """
@@ -272,17 +273,17 @@ def deck_with(decks, folder, more):
 
 
 def check_sentences(program, decks, folder):
-    for changes, more, words in REFUSED:
+    for changes, more, words in part(REFUSED):
         ran = program(1, "check", deck_with(decks, folder, more), *changes)
         if ran.returncode != 2 or words not in ran.stderr:
             raise SystemExit(f"{changes} {more} must be refused with {words}:\n"
                              f"{ran.stdout}{ran.stderr}")
-    for changes, more, words in WARNED:
+    for changes, more, words in part(WARNED):
         ran = program.done(1, "check", deck_with(decks, folder, more), *changes)
         if not any(line.startswith("warning: ") and words in line
                    for line in ran.stdout.splitlines()):
             raise SystemExit(f"{changes} {more} must warn of {words}:\n{ran.stdout}")
-    for changes, more in SOUND:
+    for changes, more in part(SOUND):
         ran = program.done(1, "check", deck_with(decks, folder, more), *changes)
         if "warning: " in ran.stdout:
             raise SystemExit(f"{changes} {more} must not warn:\n{ran.stdout}")
@@ -301,7 +302,7 @@ def check_windows(program, decks):
 def check_idle(program, decks, folder):
     """Parameters without effect because of another one give a warning, otherwise none."""
     deck = deck_with(decks, folder, VEHICLE.format('like = "manchester_1"'))
-    for why, around, remedy, parameters in IDLE:
+    for why, around, remedy, parameters in part(IDLE):
         words = list(parameters.values())
         for changes, given, wanted in ((around, words, parameters), (around, [], ()),
                                        ([*around, *remedy], words, ())):

@@ -11,6 +11,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from part import part  # noqa: E402
 from program import Program, expect, summary  # noqa: E402
 from restart import compare, stops  # noqa: E402
 from results import datasets  # noqa: E402
@@ -41,7 +42,7 @@ def main():
         compare(reference, root / str(ranks), f"{ranks} ranks")
     if summary(root / "3")["load_balance"]["imbalance_now"] > 2.9:
         raise SystemExit("all stones are on one rank: the comparison is meaningless")
-    for ranks, windows in enumerate(stops(reference)):
+    for ranks, windows in enumerate(part(stops(reference))):
         folder = root / f"stopped_{windows}"
         program.done(1 + ranks % 3, "run", deck, f"output.stop_after={windows}", "-o", folder,
                      code=3)

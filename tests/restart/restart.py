@@ -17,6 +17,7 @@ import tomllib
 import numpy
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from part import part  # noqa: E402
 from program import Program, summary  # noqa: E402
 from results import datasets, same_datasets  # noqa: E402
 
@@ -87,7 +88,7 @@ def main():
     reference = root / "reference"
     program.done(1, "run", deck, *overrides, "-o", reference)
     require_ends_by_target(reference, deck)
-    for number, windows in enumerate(stops(reference, first)):
+    for number, windows in enumerate(part(stops(reference, first))):
         folder = root / f"stopped_{windows}"
         program.done(RANKS_OF_STOPPED, "run", deck, *overrides, f"output.stop_after={windows}",
                      "-o", folder, code=3)

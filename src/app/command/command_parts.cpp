@@ -80,11 +80,12 @@ model::GroundFile checked_ground(const model::Model& model, const input::Deck& d
 }
 
 std::vector<std::string> try_options(const par::Comm& comm, const model::Model& model) {
-  const bool moves = std::any_of(model.stages.begin(), model.stages.end(),
-                                 [](const model::Stage& stage) { return stage.ground_moves; });
+  const bool staged = model.has_stages();
+  const bool moves = !staged || std::any_of(model.stages.begin(), model.stages.end(),
+                                            [](const auto& stage) { return stage.ground_moves; });
   if (!model.ground.present || !moves) return fem::Petsc::unused_options();
   return fem::Petsc::try_options(comm, model.ground, model.dimension, model.domain().thickness,
-                                 model.time.window);
+                                 staged ? model.time.window : model.track.passage.step);
 }
 
 void look_at_profiles(const model::Model& model, Warnings& warnings) {

@@ -239,7 +239,7 @@ TEST(StoneOnSurface, ASpinningBrickIsStopped) {
 // like a valley that becomes deeper.
 TEST(StoneOnSurface, SidesOfAPatchThatCloseActLikeARisingOne) {
   constexpr double slope = 0.1, dt = 1e-9, depth = 1e-4;  // -, s, m
-  constexpr double pace = 40;                            // 1/s, 0.1 m/s along the normals
+  constexpr double pace = 40;                             // 1/s, 0.1 m/s along the normals
   const auto force = [&](const auto& velocity) {
     dem::ContactLaw law = rough();
     law.friction = 0, law.k_s = 0;
