@@ -215,5 +215,40 @@ TEST(Contact, LostAndOverlappingParticlesAreReported) {
   EXPECT_EQ(p.trouble().rfind("two stones overlap by 1.5 of the smaller radius", 0), 0u);
 }
 
+// A ball held between two others spins about the line of centres and a little across it. Energy per
+// initial energy after `seconds`.
+double energy_of_a_turning_contact(dem::ContactLaw law, double seconds, double dt) {
+  constexpr double r = 0.01;  // m
+  law.k_n = 1e5, law.k_s = 0.8e5, law.friction = 5;
+  dem::Particles p(par::Comm::self(), test::one_material(law), {.gravity = 0},
+                   test::box(Vec3::Constant(-1), Vec3::Constant(1)));
+  p.add_template(test::sphere(r));
+  std::vector<dem::NewParticle> three(3);
+  three[0].spin = Vec3(9, 3, 150);  // rad/s
+  for (std::size_t k : {1, 2}) {
+    three[k].id = static_cast<std::int64_t>(k), three[k].held = true;
+    three[k].position.z() = (k == 1 ? 1 : -1) * 1.99 * r;
+  }
+  p.add(three);
+  const auto energy = [&] { return p.totals().kinetic + p.totals().elastic; };
+  p.advance(1e-12, 1);
+  const double before = energy();
+  const int steps = static_cast<int>(seconds / dt);
+  p.advance(steps * dt, steps);
+  EXPECT_EQ(p.trouble(), "");
+  return energy() / before;
+}
+
+TEST(Contact, TurningAboutItsNormalALastingContactGainsNoEnergy) {
+  const double root = std::sqrt(2500 * 4.0 / 3.0 * M_PI * 1e-6 / 1e5);  // s, sqrt(m / k_n)
+  for (const bool rolls : {false, true}) {
+    dem::ContactLaw law;
+    if (rolls) law.rolling_friction = 5, law.rolling_stiffness = 0.5;
+    const double gained = energy_of_a_turning_contact(law, 1500 * root, 0.2 * root);
+    std::printf("energy over the initial energy: %.6f\n", gained);
+    EXPECT_LT(gained, 1.001);
+  }
+}
+
 }  // namespace
 }  // namespace trackbed::particles_contact_test
