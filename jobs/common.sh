@@ -90,8 +90,11 @@ import tomllib
 with open(sys.argv[1], "rb") as file:
     stages = tomllib.load(file)["stage"]
 moving = [number for number, stage in enumerate(stages) if stage.get("ground_moves")]
-if not moving or moving[0] == 0:
-    sys.exit(f"{sys.argv[1]}: there is no stage before the first one with ground_moves = true")
+if not moving:
+    sys.exit(f"{sys.argv[1]}: no stage has ground_moves = true")
+if moving[0] == 0:
+    sys.exit(f"{sys.argv[1]}: the first stage already has ground_moves = true: "
+             "no stage comes before it")
 print(stages[moving[0] - 1]["name"])
 END
   ) || return 1

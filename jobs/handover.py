@@ -79,9 +79,11 @@ class Loop:
             if getattr(given, name) is None:
                 value = self.deck.value(f"handover.{name}")  # in a deck also 1e1 is a whole number
                 setattr(given, name, int(value) if name in ("rounds", "trains") else value)
-        numbers = [getattr(given, name) for name in OPTIONS]
-        if not (np.isfinite(numbers).all() and min(numbers) > 0):
-            launch.refuse("rounds, trains, each and load must be above 0")
+        for name in OPTIONS:
+            number = getattr(given, name)
+            if not (np.isfinite(number) and number > 0):
+                launch.refuse(f"handover.{name} (--{name}) = {number:g} must be a finite number "
+                              "above 0")
         done = self.last_stage()
         self.bed = self.deck.begin_after(
             done, str(given.start or f'{given.deck}: handover.after = "{done}"'))
@@ -136,7 +138,8 @@ class Loop:
                 launch.refuse(f"{given.start} does not exist")
             done = given.start.name.removeprefix("stage_").removesuffix(".h5")
         if done not in [stage["name"] for stage in self.deck.values.get("stage", [])]:
-            launch.refuse(f"{given.start} is not a stage_NAME.h5 of {given.deck}")
+            launch.refuse(f"{given.start}: {given.deck} has no stage \"{done}\"; give the "
+                          "stage_NAME.h5 of one of its stages")
         return done
 
     def spare_inputs(self):
@@ -334,8 +337,9 @@ class Loop:
         if one.keeps_settling():
             why, remedy = ("the sleeper still settles while it is unloaded",
                            "a longer bedding-in with a larger load before handover.after")
-        print(f"round {number}: {len(without)} of {len(found)} sleepers have no reliable support "
-              f"stiffness; that at x = {x:g} m has {one.stiffness / 1e6:.3g} +- "
+        print(f"round {number}: the support stiffness of {len(without)} of {len(found)} sleepers "
+              "is not reliable (it is not above 0, or its uncertainty exceeds half of it); the "
+              f"first is the sleeper at x = {x:g} m, with {one.stiffness / 1e6:.3g} +- "
               f"{one.spread / 1e6:.2g} MN/m: {why}; use {remedy}, with --force or in another "
               "folder",
               file=sys.stderr)

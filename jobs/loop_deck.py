@@ -147,8 +147,9 @@ class LoopDeck:
                           f"several (stages {', '.join(trains)}): keep one of them")
         if left_out := [name for name in names[end:] if name != trains[0]]:
             launch.refuse(f"{of}: the rounds would omit the stages {', '.join(left_out)}: after "
-                          f"the last stage of the bed only {trains[0]}, the stage with train = "
-                          "true, may follow")
+                          "the stage from which the rounds begin, the deck may have only "
+                          f"{trains[0]} (train = true); choose a later stage, or remove "
+                          f"{', '.join(left_out)}")
         self.take_train(stages[names.index(trains[0])])
         self.refuse_others()
         kept = {name: value for name, value in self.values.items()

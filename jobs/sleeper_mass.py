@@ -152,7 +152,7 @@ def main():
     parser.add_argument("--masses", type=float, nargs="+", default=MASSES)
     given = parser.parse_args()
     if min(given.masses) <= 0:
-        parser.error("--masses: factors must be above 0")
+        parser.error(f"--masses: {min(given.masses):g}: factors must be above 0")
     launch.make_folder(given.folder)
     plain = DECK.read_text(encoding="utf-8")
     head, rest = plain.split("[train]")

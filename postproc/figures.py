@@ -104,7 +104,7 @@ def envelope(runs):
     for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
         mark_blocks(panel, runs[0])
         panel.set_ylabel(f"lowest displacement of {what}\n(mm, up, "
-                         "relative to the begin of the passage)")
+                         "relative to the beginning of the passage)")
         panel.grid(alpha=0.3)
         panel.legend(fontsize=8, loc="best")
     lower.set_xlabel("x along the track (m)")
@@ -302,7 +302,7 @@ def overview(runs):
                        label=run.name)
     panels[1].set_ylabel("lowest displacement of\nthe ground surface (mm)")
     panels[2].set_ylabel("largest compression (kPa),\nmean over a sleeper spacing")
-    panels[1].set_title("In the passage, displacement relative to its begin", fontsize=10)
+    panels[1].set_title("In the passage, displacement relative to its beginning", fontsize=10)
     panels[2].set_title(f"Compression {STRESS_COUNTS}", fontsize=10)
     for panel in panels[1:]:
         mark_blocks(panel, runs[0])

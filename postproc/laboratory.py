@@ -272,9 +272,11 @@ def main():
     squeezed = [run for run, _ in runs if "triaxial" in kinds(run)]
     pressed = [run for run, _ in runs if kinds(run).count("compact") > 1
                and not {"shear", "triaxial"} & set(kinds(run))]
-    if len(sheared) + len(heaps) + len(squeezed) + len(pressed) < len(runs):
-        raise read.Unreadable("at least one run is not a laboratory test, which has a stage of "
-                              "kind shear, triaxial or lift_walls, or several of kind compact")
+    known = [*sheared, *squeezed, *pressed, *(run for run, _ in heaps)]
+    if others := [run.name for run, _ in runs if not any(run is one for one in known)]:
+        raise read.Unreadable(f"not a laboratory test: {', '.join(others)}; such a test has a "
+                              "stage of kind shear, triaxial or lift_walls, or several of kind "
+                              "compact")
     given.folder.mkdir(parents=True, exist_ok=True)
     lines = []
     for draw, those in ((draw_shear, sheared), (draw_triaxial, squeezed),

@@ -148,7 +148,7 @@ def why_no_transition(results):
     """Why a run has no transition; empty if it has one."""
     return why_no_envelope(results) or (
         "" if edge_of_structure(results) is not None else
-        f"{results.name} has no structure that ends within the ground")
+        f'{results.name}: no present ground block named "structure" ends within the ground')
 
 
 def transition(results, wedge=0.0):
@@ -267,8 +267,9 @@ def warnings(results):
         lines.append(
             f"warning: {results.name}: the ground has a residual displacement of "
             f"{1e3 * abs(most):.2f} mm "
-            f"{'downwards' if most > 0 else 'upwards'}: it was not at rest at the end, layers "
-            "have yielded, or its base does not carry a permanent load")
+            f"{'downwards' if most > 0 else 'upwards'} (limit {1e3 * LASTING:.0f} mm): it was "
+            "not at rest at the end, layers have yielded, or its base does not carry a permanent "
+            "load")
     return lines + [
         f"warning: {results.name}: the sleeper at x = {x:.2f} m has a residual displacement of "
         f"{1e3 * left:.2f} mm relative to the ground (limit {1e3 * LASTING:.0f} mm): stones were "
@@ -287,8 +288,8 @@ def _verdict(change, wanted, by_wedge):
     if abs(change) <= CLEAR:
         return f"no clear effect (within {CLEAR:.0%})"
     if not by_wedge:
-        return ("relative to the second run; not judged, since the second run does not lack a "
-                "block of the first run's ground")
+        return ("change relative to the second run; not judged: for that, the first run must have "
+                "all blocks of the second and at least one more (the wedge)")
     return f"{'as' if change * wanted > 0 else 'NOT as'} expected of a wedge"
 
 

@@ -256,7 +256,10 @@ def checkpoint(path, stage=""):
         path = path / f"stage_{stage}.h5"
     elif path.is_dir():
         names = _place(path, "latest").read_text(encoding="utf-8").splitlines()
-        path = path / (names[0] if names else "latest is empty")
+        if not names:
+            raise Unreadable(f"{path / 'latest'} is empty: it names no checkpoint; give a file "
+                             "stage_*.h5 or checkpoint_*.h5")
+        path = path / names[0]
     return datasets(path)
 
 

@@ -55,10 +55,13 @@ def find_array(grid, name):
     arrays = [(data.GetArray(k), on_points)
               for data, on_points in ((grid.GetPointData(), True), (grid.GetCellData(), False))
               for k in range(data.GetNumberOfArrays())]
+    names = ", ".join(sorted({each[0].GetName() for each in arrays}))
+    if not arrays:
+        raise read.Unreadable("the file has no array")
     if name is not None:
         arrays = [each for each in arrays if each[0].GetName() == name]
     if not arrays:
-        raise read.Unreadable(f"the file has no array {name}" if name else "the file has no array")
+        raise read.Unreadable(f"the file has no array {name}; its arrays: {names}")
     varying = [each for each in arrays if range_of(each[0])[0] < range_of(each[0])[1]]
     return (varying or arrays)[0]
 
@@ -150,7 +153,10 @@ def main():
     import vtk
     grid = read_grid(vtk, arguments.file)
     colours = draw(vtk, grid, arguments.array, arguments.output)
-    print(f"{arguments.output}: {grid.GetNumberOfCells()} cells, {colours} colours")
+    print(f"{arguments.output}: {grid.GetNumberOfCells()} cells; the picture has {colours} "
+          "different colours")
+    if colours <= 1:
+        print("the picture is empty or of one colour: choose another --array", file=sys.stderr)
     return 0 if colours > 1 else 1
 
 

@@ -32,7 +32,9 @@ class LowPass:
         return dt is not None and 2 * self.cut_off * dt < 1 and len(time) > 6 * self.order
 
     def name_for(self, time):
-        return self.name if self.applies_to(time) else "unfiltered: sampled too coarsely"
+        return self.name if self.applies_to(time) else (
+            f"unfiltered: rows uneven, fewer than {6 * self.order + 1}, or "
+            f"{500 / self.cut_off:g} ms or more apart")
 
     def __call__(self, time, values):
         """Filters along the first axis; returns the values unchanged if it does not apply."""

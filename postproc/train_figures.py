@@ -23,13 +23,13 @@ import write  # noqa: E402
 SHOWN_WHEELS = 8  # the first wheels are shown
 
 
-def train_rows(wheel_x):
+def train_rows(wheel_x, name):
     """Rows of the last train: those with wheels on the track since the last time that the first
-    wheel jumped back (a stage may send several trains)."""
+    wheel jumped back (a stage may send several trains). `name`: of the run, for messages."""
     there = np.flatnonzero(np.isfinite(wheel_x[:, 0]))
     if not len(there):
-        raise read.Unreadable("no train ran in this run: set train = true in a stage of kind "
-                              "passage")
+        raise read.Unreadable(f"{name}: no row of the histories has a train on the track: was the "
+                              "run stopped before its passage?")
     back = np.flatnonzero(np.diff(wheel_x[there, 0]) < 0)
     gap = np.flatnonzero(np.diff(there) > 1)
     first = max([0, *(back + 1), *(gap + 1)])
@@ -60,7 +60,7 @@ class Passing:
         def rows_of(name):
             values = every[f"history/{name}"].values
             return values.reshape(len(values), -1)
-        rows = train_rows(rows_of("wheel/x"))
+        rows = train_rows(rows_of("wheel/x"), run.name)
         self.time = run.time[rows]
         rails = 2 if "history/seat/force" in every else 1
         self.x = rows_of("wheel/x")[rows][:, ::rails]

@@ -53,9 +53,10 @@ std::int64_t fitting(double length, double width, const char* what) {
   const auto columns = static_cast<std::int64_t>(length / width);
   if (columns < 1)
     throw InputError(
-        {fmt::format("bed.{}: the bed is {:.4g} m wide, less than the bounding sphere of its "
-                     "largest stone ({:.4g} m, see bed.sieve); increase bed.{} or reduce bed.sieve",
-                     what, length, width, what)});
+        {fmt::format("bed.{}: the bed is {:.4g} m long in this direction, less than the diameter "
+                     "of the bounding sphere of its largest stone with clearance ({:.4g} m, see "
+                     "bed.sieve); make the bed larger or the stones smaller",
+                     what, length, width)});
   return columns;
 }
 

@@ -101,7 +101,8 @@ std::vector<dem::Template> library_of(const par::Comm& comm, const BedParameters
     for (const geom::Piece& piece : named.shape.pieces)
       if (!(piece.radius > 0))
         throw InputError(
-            {fmt::format("{}: shape {} has edges without rounding, but contacts need rounded edges",
+            {fmt::format("{}: shape {} has edges without rounding, but contacts need rounded "
+                         "edges; create the library with --rounding above 0",
                          parameters.library, named.name)});
     shapes.push_back(std::move(named.shape));
   }
@@ -118,9 +119,10 @@ NamedShape shape_of_mesh(const par::Comm& comm, const std::string& file, const M
   const geom::Solid solid = geom::mesh_solid(import.mesh);
   // Most scans are in millimetres, which the file does not state.
   if (const double size = diameter(solid.volume); size > largest_stone || size < smallest_stone)
-    named.notes.push_back(fmt::format(
-        "warning: the equivalent diameter is {:.3g} m; is --unit right (0.001 for a file in mm)?",
-        size));
+    named.notes.push_back(
+        fmt::format("warning: the equivalent diameter is {:.3g} m (usual: {:g} to {:g} m); is "
+                    "--unit right (0.001 for a file in mm)?",
+                    size, smallest_stone, largest_stone));
   try {
     const double radius = wanted.rounding * diameter(solid.volume);
     const auto pieces = wanted.spheres > 0
@@ -188,25 +190,32 @@ void require_possible(const NamedShape& named) {
     throw RunError(fmt::format("shape {} has an impossible size, volume or inertia", named.name));
 }
 
+std::vector<NamedShape> shapes_in(const io::File& library) {
+  std::vector<NamedShape> shapes;
+  const auto letters = library.read_all<std::uint8_t>("shapes/names");
+  std::istringstream names(std::string(letters.begin(), letters.end()));
+  for (dem::Template& shape : dem::load_templates(library, "shapes")) {
+    NamedShape named{"", std::move(shape), {}};
+    std::getline(names, named.name);
+    require_possible(named);
+    shapes.push_back(std::move(named));
+  }
+  return shapes;
+}
+
 }  // namespace
 
-// Any failure means that the file is not a library. Messages of the file's reader begin with rank
-// and file, which are removed here because the sentence names the file already.
+// Any failure but another version means that the file is not a library. Messages of the file's
+// reader begin with rank and file, which are removed here because the sentence names the file
+// already.
 std::vector<NamedShape> load_library(const par::Comm& comm, const std::string& file) {
-  std::vector<NamedShape> shapes;
+  std::int64_t version = library_format;
   try {
     const io::File library(comm, file, io::Mode::read);
-    const std::int64_t version = library.integer_attribute("/", "version");
-    if (library.text_attribute("/", "kind") != "shapes" || version != library_format)
-      throw RunError(fmt::format("its kind must be \"shapes\" and its version {}", library_format));
-    const auto letters = library.read_all<std::uint8_t>("shapes/names");
-    std::istringstream names(std::string(letters.begin(), letters.end()));
-    for (dem::Template& shape : dem::load_templates(library, "shapes")) {
-      NamedShape named{"", std::move(shape), {}};
-      std::getline(names, named.name);
-      require_possible(named);
-      shapes.push_back(std::move(named));
-    }
+    if (const std::string kind = library.text_attribute("/", "kind"); kind != "shapes")
+      throw RunError(fmt::format("its kind is \"{}\"", kind));
+    version = library.integer_attribute("/", "version");
+    if (version == library_format) return shapes_in(library);
   } catch (const std::exception& problem) {  // the same on all ranks
     const std::string words = problem.what(), start = file + ": ";
     const std::size_t at = words.find(start);
@@ -215,7 +224,10 @@ std::vector<NamedShape> load_library(const par::Comm& comm, const std::string& f
         "{}: is not a library of shapes ({}); create one with `trackbed shapes ... --library FILE`",
         file, why)});
   }
-  return shapes;
+  throw InputError(
+      {fmt::format("{}: is a library of version {}, but this program reads version {}; create it "
+                   "again with `trackbed shapes ... --library FILE`",
+                   file, version, library_format)});
 }
 
 // Only a library may be replaced by a library, so that a mistyped name does not overwrite another
@@ -227,8 +239,8 @@ void require_replaceable(const par::Comm& comm, const std::string& file) {
   try {
     load_library(comm, file);
   } catch (const InputError&) {  // the same on all ranks
-    throw InputError(
-        {file + ": exists, but is not a library of shapes; move this file or choose another name"});
+    throw InputError({file + ": exists, but is not a library of shapes that this program reads; "
+                             "move this file or choose another name"});
   }
 }
 

@@ -154,16 +154,17 @@ void BedParameters::declare(input::Section& s) {
   s.rule("y", is_range(y), "must be two increasing numbers");
   fixed.end();
   s.numbers("crest", crest, {.unit = "m"},
-            "Ends of the crest across the track (space). A stage with a `profile` trims the bed "
-            "horizontally within the crest and to `slope` outside it; none: horizontally "
-            "everywhere.");
+            "Ends of the crest across the track (space). A stage with a `profile` cuts the bed "
+            "level within the crest and to `slope` outside it; no crest: level everywhere.");
   s.number("slope", slope, {.unit = "-", .above = 0, .usually_from = 1, .usually_to = 4},
            "Slope of the sides beyond the crest, horizontal to vertical; slopes steeper than 1:1 "
            "(below 1) are rarely stable.");
   s.rule("crest", crest.empty() || is_range(crest), "must be two increasing numbers",
          {.reads = {"crest"}});
   s.rule("crest", !is_range(crest) || !is_range(y) || (crest[0] >= y[0] && crest[1] <= y[1]),
-         "must be within the sides of the bed (y)", {.reads = {"crest", "y"}});
+         fmt::format("must be within the sides of the bed (y = {:g} to {:g} m)",
+                     y.empty() ? 0 : y.front(), y.empty() ? 0 : y.back()),
+         {.reads = {"crest", "y"}});
   s.file(
       "cell", cell,
       "Checkpoint of a cell, that is, of a bed that is periodic in x, at the end of a stage: a "
@@ -228,8 +229,8 @@ void PlatenParameters::declare(input::Section& s) {
   s.number("acceleration", acceleration, {.unit = "m/s^2", .above = 0},
            "Largest acceleration of the platen; braking is not limited.");
   s.number("average", average, {.unit = "s", .above = 0},
-           "Time constant of the averaged pressure; without vibration the servo uses one tenth of "
-           "this time constant.");
+           "Time constant T of the averaged pressure, which decides when compaction ends. The "
+           "servo controls the pressure averaged over T with vibration, over T/10 without.");
   s.number("tolerance", tolerance, {.above = 0, .at_most = 0.5},
            "Relative tolerance of the averaged pressure.");
   s.number("hold", hold, {.unit = "s", .above = 0},

@@ -5,6 +5,7 @@
 #include "trackbed/bed/placed.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <numbers>
@@ -190,7 +191,8 @@ void BoxParameters::declare(input::Section& s) {
             "Velocity of the box, constant and independent of the forces.", 3);
   s.rule("high",
          low.size() != 3 || high.size() != 3 || (vector_of(high) - vector_of(low)).minCoeff() > 0,
-         "must be above `low` in x, y and z", {.reads = {"low", "high"}});
+         fmt::format("must be above `low` in x, y and z (low = [{:g}] m)", fmt::join(low, ", ")),
+         {.reads = {"low", "high"}});
 }
 
 Quat turn_of(const std::vector<double>& axis, double angle) {

@@ -109,9 +109,10 @@ PlacedShape of_library(const par::Comm& comm, const ShapeParameters& p) {
   const NamedShape& shape = shapes[static_cast<std::size_t>(found - names.begin())];
   for (const geom::Piece& piece : shape.shape.pieces)
     if (!(piece.radius > 0))
-      throw InputError({fmt::format(
-          "entry: shape {} has edges without rounding, but contacts need rounded edges",
-          shape.name)});
+      throw InputError(
+          {fmt::format("entry: shape {} has edges without rounding, but contacts need rounded "
+                       "edges; create the library with --rounding above 0",
+                       shape.name)});
   return {shape.shape, 1, Quat::Identity()};
 }
 

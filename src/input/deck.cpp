@@ -43,6 +43,7 @@ std::string elements_in_words(const Node& list) {
 // Cost: a walk along the path per override.
 std::string put(Node& root, const std::string& path, Node value) {
   Node* node = &root;
+  std::string above;
   for (const std::string& word : words_of(path)) {
     if (word.empty()) return fmt::format("\"{}\" is not the name of a parameter", path);
     if (node->is_list()) {
@@ -51,10 +52,10 @@ std::string put(Node& root, const std::string& path, Node value) {
         return fmt::format("{}: the list has no element {}; {}", path, word,
                            elements_in_words(*node));
       node = found;
+      above += '.' + word;
       continue;
     }
-    if (!node->is_table())
-      return fmt::format("{}: the name before {} is a value, not a section", path, word);
+    if (!node->is_table()) return fmt::format("{}: {} is a value, not a section", path, above);
     Node* next = node->member(word);
     if (next == nullptr) {
       node->members.push_back({word, Node{}});
@@ -62,6 +63,7 @@ std::string put(Node& root, const std::string& path, Node value) {
       next->from_override = true;
     }
     node = next;
+    above += (above.empty() ? "" : ".") + word;
   }
   *node = std::move(value);
   return "";

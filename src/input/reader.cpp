@@ -207,14 +207,17 @@ void Reader::keep_default(std::string_view name, const Node& value) {
 void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
                   const About& about) {
   if (holds || has_rejected(about)) return;
-  // A rule refers to its value if the file has one, else to the section; a default is shown too.
+  // A rule refers to its value if the file has one, else to the section; a default, which is never
+  // from the command line, is shown too.
   const Node* section = open_.back().node;
-  const Place place = section != nullptr ? follow(*section, name) : Place{nullptr, false};
+  Place place = section != nullptr ? follow(*section, name) : Place{nullptr, false};
   std::string value;
   if (place.reached && place.node->is_value())
     value = fmt::format(" = {}", shown(*place.node));
-  else if (const auto kept = defaults_.find(path_of(name)); kept != defaults_.end())
+  else if (const auto kept = defaults_.find(path_of(name)); kept != defaults_.end()) {
+    if (place.node != nullptr && place.node->from_override) place.node = nullptr;
     value = fmt::format(" = {} (default)", kept->second);
+  }
   const std::string rest = fmt::format("{}: {}", value, sentence);
   if (about.severity == Severity::warning) return problems_.warn(place.node, path_of(name) + rest);
   // The parameter counts as rejected, so that other rules that use it do not report the same

@@ -310,8 +310,9 @@ void Region::declare(input::Section& s) {
   s.rule("cells", whole, "must be whole numbers");
   // Each cell has 18 numbers in every row of the histories.
   constexpr double most = 1e4;
-  s.rule("cells", std::accumulate(cells.begin(), cells.end(), 1.0, std::multiplies<>()) <= most,
-         fmt::format("must be at most {:g} cells in total", most));
+  const double all = std::accumulate(cells.begin(), cells.end(), 1.0, std::multiplies<>());
+  s.rule("cells", all <= most,
+         fmt::format("must be at most {:g} cells in total, not {:g}", most, all));
 }
 
 std::vector<Measurement> measure(const par::Comm& comm, const dem::Particles& particles,

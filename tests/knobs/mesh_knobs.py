@@ -47,10 +47,10 @@ REFUSED = {
     "ground.border.1.name=top": "is already the name of another part of the mesh",
     "ground.border.3.holds=roller": "is not normal to x, y or z",
     "ground.border.0.holds=free ground.border.1.holds=free":
-        "do not hold the ground in static equilibrium: it can move along y, move along z, "
-        "turn about x",
+        "do not hold the ground in static equilibrium: it can move along y and move along z "
+        "and turn about x",
     # Viscous sides hold y and ends x; nothing holds z.
-    "ground.border.0.holds=free": "static equilibrium: it can move along z; add a border that is",
+    "ground.border.0.holds=free": "static equilibrium: it can move along z; add a fixed border",
     "ground.border.0.holds=fixed ground.base_motion={folder}/wave.csv":
         "no viscous border faces down",
     "ground.base_motion={folder}/along.csv": "the border \"ends\" holds the ground along x",

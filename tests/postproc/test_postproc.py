@@ -124,7 +124,7 @@ def test_model_without_ground_or_structure_is_reported(runs, tmp_path):
     bare = read.results(made.write(tmp_path / "bare", ground=False))
     assert "no transition to measure: bare has no ground" in measures.table([bare])
     plain = dataclasses.replace(runs[0], deck={**runs[0].deck, "ground": {}})
-    assert "wedge has no structure that ends" in measures.table([plain])
+    assert 'wedge: no present ground block named "structure" ends' in measures.table([plain])
     idle = dataclasses.replace(runs[0], deck={"stage": [{"name": "load", "kind": "load"}]})
     assert "contains no passage: the deck has no stage of kind passage" in measures.table([idle])
 

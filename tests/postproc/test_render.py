@@ -37,14 +37,15 @@ def test_bricks_of_three_values_show_three_colours(tmp_path):
     write_bricks(path, 3, [1, 2, 3])
     run = render(path)
     assert run.returncode == 0, run.stderr
-    assert "3 cells, 3 colours" in run.stdout
+    assert "3 cells; the picture has 3 different colours" in run.stdout
     assert matplotlib.image.imread(path.with_suffix(".png")).shape[:2] == (500, 1200)
 
 
 def test_one_colour_is_refused(tmp_path):
     path = tmp_path / "bricks.vtkhdf"
     write_bricks(path, 3, [2, 2, 2])
-    assert render(path).returncode == 1
+    run = render(path)
+    assert run.returncode == 1 and "choose another --array" in run.stderr
 
 
 @pytest.mark.parametrize("content, expected", [(b"", "not a VTKHDF"), (None, "does not exist")])
@@ -60,7 +61,7 @@ def test_missing_array_is_named(tmp_path):
     path = tmp_path / "bricks.vtkhdf"
     write_bricks(path, 1, [1])
     run = render(path, "--array", "velocity")
-    assert run.returncode == 2 and "the file has no array velocity" in run.stderr
+    assert run.returncode == 2 and "no array velocity; its arrays: stress (Pa)" in run.stderr
 
 
 def test_picture_is_written_or_its_failure_reported(tmp_path):

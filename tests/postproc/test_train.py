@@ -25,7 +25,8 @@ def made(trains=1):
              "history/wheel/force": np.vstack([nan, np.full(x.shape, 1) * [50e3, 60e3]]),
              "history/rail/displacement": np.vstack([nan[:, :1].repeat(3, 1), 1.5 * down]),
              "history/sleeper/displacement": np.vstack([np.zeros((1, 3)), down])}
-    run = types.SimpleNamespace(sleepers_x=sleepers, time=np.concatenate([[-0.01], time]),
+    run = types.SimpleNamespace(name="made", sleepers_x=sleepers,
+                                time=np.concatenate([[-0.01], time]),
                                 deck={"sleepers": {"spacing": 1.0}})
     return run, {name: read.Quantity(values, "-", "made for a test")
                  for name, values in every.items()}
@@ -40,6 +41,13 @@ def test_settlement_of_each_axle():
     assert found["axle 2, sleepers down, most"][0] == pytest.approx(1.2)
     assert found["axle 2, sleepers down, increase since axle 1, mean"][0] == pytest.approx(0.1)
     assert found["permanent settlement after the train, largest"][0] == pytest.approx(0.2)
+
+
+def test_run_without_rows_of_a_train_is_refused():
+    run, every = made()
+    every["history/wheel/x"].values[:] = np.nan
+    with pytest.raises(read.Unreadable, match="made: no row of the histories has a train"):
+        train_figures.Passing(run, every)
 
 
 def test_two_rails_are_distinguished():

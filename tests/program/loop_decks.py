@@ -23,8 +23,9 @@ def refused_decks(text):
     yield (text + TRAIN.replace("train", "again") + behind,
            "the deck has several (stages train, again): keep one of them")
     yield (before + STAGE.format("rest") + STAGE.format("wait") + TRAIN + behind,
-           "the rounds would omit the stages rest, wait: after the last stage of the bed only "
-           "train, the stage with train = true, may follow")
+           "the rounds would omit the stages rest, wait: after the stage from which the rounds "
+           "begin, the deck may have only train (train = true); choose a later stage, or remove "
+           "rest, wait")
     yield text + STAGE.format("late"), "the rounds would omit the stages late"
     yield (re.sub(r"\[handover\][^[]*", "", text),
            "[handover] must give `after`, the name of a stage")

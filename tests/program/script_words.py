@@ -51,7 +51,8 @@ def check_program(program, source, folder):
     loop, deck = source / "jobs/handover.py", source / "inputs/track/on_bed.toml"
     (folder / "here").symlink_to(program)
     for load in ("0", "nan", "inf"):
-        refused(folder, "load must be above 0", [loop, "./here", deck, "results", "--load", load])
+        refused(folder, f"handover.load (--load) = {load} must be a finite number above 0",
+                [loop, "./here", deck, "results", "--load", load])
     refused(folder, "there: No such file", [loop, "./there", deck, "results"])
     refused(folder, "there: No such file", [source / "jobs/sleeper_mass.py", "./there", "masses"])
     strength = [source / "jobs/strength.py", "./there", "strength", "heap"]

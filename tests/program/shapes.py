@@ -71,10 +71,10 @@ def bed_of_library(program, library, folder, made):
                            (("solid", (2, 0), -1), "shape stone_7 has an impossible size"),
                            (("solid", (0, 0), 100), "shape stone_5 has an impossible size"),
                            (("solid", (0, 4), 0), "shape stone_5 has an impossible size"),
-                           (("faces", 1, 2**32 + 1), "parts are inconsistent"),
-                           (("pieces", 0, -1), "parts are inconsistent"),
-                           ("kind", 'its kind must be "shapes"'),
-                           ("version", "its version 1")):
+                           (("faces", 1, 2**32 + 1), "faces of the stored shapes do not agree"),
+                           (("pieces", 0, -1), "faces of the stored shapes do not agree"),
+                           ("kind", 'is not a library of shapes (its kind is "others")'),
+                           ("version", "of version 2, but this program reads version 1")):
         changed = folder / "changed.h5"
         shutil.copy(library, changed)
         with h5py.File(changed, "r+") as file:

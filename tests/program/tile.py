@@ -140,12 +140,13 @@ def check_sentences(bench):
              ["bed.cell", 'made with dimension = "space"'], deck),
             ([f"bed.cell={bench.folder / 'walls'}"], ["within stage", "stage_*.h5",
                                                       "not made with periodic"], deck),
-            ([f"bed.cell={bench.folder / 'ring_y'}"], ['made with "y"'], deck),
+            ([f"bed.cell={bench.folder / 'ring_y'}"],
+             ['periodic is without "y", but the cell was made with it'], deck),
             ([f"bed.cell={bench.cell / 'stage_compact.h5'}"], ["platen", "release"], deck),
             ([f"bed.cell={bench.cell / 'results.h5'}"], ["bed.cell = ", "not a trackbed"], deck),
             (["time.step=2e-5"], ["time.step = 2e-05 s is above the stable"], deck),
             (["bed.cell=nowhere.h5"], ["bed.cell", "does not exist"], deck),
-            ([], ["there must be only one such stage"], twice),
+            ([], ["needs exactly one stage of kind fill, which lays it; the deck has 2"], twice),
             ([], ['stones of "ballast"', "no [[material]]"], granite),
             ([], ['stones of "ballast" that touch "lead"'], floor)):
         # Of two overrides of one parameter the last one counts.
@@ -158,7 +159,7 @@ def check_sentences(bench):
         raise SystemExit("a refused run must leave nothing behind")
     ran = bench.program(1, "run", deck, f"bed.cell={bench.cell}", *TILE, "--force", "-o",
                         bench.cell)
-    if ran.returncode != 2 or "checkpoint that the run reads at its start" not in ran.stderr:
+    if ran.returncode != 2 or "from which this run starts: results" not in ran.stderr:
         raise SystemExit(f"a run must not replace its own cell:\n{ran.stdout}{ran.stderr}")
 
 

@@ -74,11 +74,13 @@ def check_old_runs(program, made, other):
     program.done(1, "resume", made / "stage_load.h5", "dem.gravity=9.8",
                  "output.surface_cell=0.08", "output.wall_time=1e5", "--force")
     warned = summary(made)["warnings"]
-    expect([text.partition("resumed: ")[2].split()[0] for text in warned
-            if "resumed: output." in text] == ["output.surface_cell"],
+    expect([found[1] for text in warned
+            if (found := re.search(r"(output\.\S+) = .* s on, where the run was resumed", text))]
+           == ["output.surface_cell"],
            f"what is written, but not when to stop, not {warned}", ran)
-    expect(any("where the run was resumed: dem.gravity = 9.8 (previously 9.81)" in text.replace(
-        "9.8000000000000007", "9.8").replace("9.8100000000000005", "9.81") for text in warned),
+    gravity = r"dem\.gravity = 9\.8 \(previously 9\.81\) from \S+ s on, where the run was resumed"
+    expect(any(re.search(gravity, text.replace("9.8000000000000007", "9.8").replace(
+        "9.8100000000000005", "9.81")) for text in warned),
         f"a changed value must be kept with the results, not {warned}", ran)
 
 

@@ -96,7 +96,9 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "stage.passage.cycles=3": "no axle passes a sleeper: the first axle moves from x = -1",
            "stage.cribs.profile=400": "is far above the bed, which is 0.2 m high",
            "stage.sleepers.height=350": "is far above the bed, which is 0.2 m high",
-           "bed.sieve=[50000,63000]": "bed.x: the bed is 1.2 m wide, less than the bounding",
+           "bed.sieve=[50000,63000]":
+               "bed.x: the bed is 1.2 m long in this direction, less than the diameter of the "
+               "bounding",
            "stage.compact.kind=release": "no stage of kind compact comes before it",
            "stage.cribs.kind=sleepers": 'places sleepers, which stage "sleepers" has already',
            "stage.cribs.kind=fill": 'pours stones onto sleepers, which stage "sleepers" has placed',

@@ -38,7 +38,8 @@ REFUSED = {
     "track.dimension=space footing.rails=1.5":
         'footing.rails = 1.5: must be 2 if track.dimension = "space"',
     "track.dimension=space footing.rails=2":
-        "footing.length = 1.4: is less than a sleeper's length (track.sleeper_length = 2.6 m)",
+        "footing.length = 1.4: must be at least the length of a sleeper (track.sleeper_length = "
+        "2.6 m)",
     "track.dimension=space footing.rails=2 dimension=plane footing.length=1.3 footing.y=0":
         'must be "plane" on a plane ground: two rails need a three-dimensional ground (dimension)',
     "train.start=1": "the train comes from the rigid rail before the track",

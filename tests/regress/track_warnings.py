@@ -74,8 +74,10 @@ REFUSED = [
     ([], VEHICLE.format('like = "hxd1_unit"\nbody_mass = 30e3'),
      "vehicle[0].body_mass = 30000.0: has no effect: it is for vehicles of kind coach or sprung"),
     ([], VEHICLE.format('like = "manchester"'), 'must be "", "manchester_1", "alfa_pendular"'),
-    ([], VEHICLE.format('like = "manchester_1"\nkind = "wheel"'), "named by `like` (manchester_1)"),
-    ([], VEHICLE.format('like = "hxd1_unit"\nkind = "coach"'), "named by `like` (hxd1_unit)"),
+    ([], VEHICLE.format('like = "manchester_1"\nkind = "wheel"'),
+     'must be "coach", that of the library vehicle manchester_1 (`like`)'),
+    ([], VEHICLE.format('like = "hxd1_unit"\nkind = "coach"'),
+     'must be "forces", that of the library vehicle hxd1_unit (`like`)'),
     ([], VEHICLE.format('like = "manchester_1"\naxles = [1]\nloads = [1e5]'),
      "is only for vehicles of constant forces"),
     (["train.speed=0"], "", "train.speed = 0: the train does not move: train.speed or one of "
@@ -424,8 +426,8 @@ def check_strikes(program, decks, folder):
 def check_places(program, decks, folder):
     """Jumps 20 mm apart are counted as separate places."""
     table = folder / "stairs.csv"
-    for count, words in ((1, "x = 20 m: "), (2, "x = 20 m and at 1 other place: "),
-                         (40, "x = 20 m and at 39 other places: ")):
+    for count, words in ((1, "x = 20 m (limit "), (2, "x = 20 m and at 1 other place (limit "),
+                         (40, "x = 20 m and at 39 other places (limit ")):
         steps = "".join(f"{20 + 0.02 * i:.4f},{3e-4 * i:.4g}\n{20.0005 + 0.02 * i:.4f},"
                         f"{3e-4 * (i + 1):.4g}\n" for i in range(count))
         table.write_text(f"x_m,z_m\n0,0\n{steps}60,{3e-4 * count:.4g}\n", encoding="utf-8")

@@ -110,9 +110,10 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
       ->required();
   with_overrides(sub)->add_option("-o,--output", arguments.folder,
                                   "Result folder; default that of the stopped run");
-  sub->add_flag("--force", arguments.force,
-                "First remove results of other runs from the result folder, or replace the results "
-                "after the checkpoint");
+  sub->add_flag(
+      "--force", arguments.force,
+      "In another folder (-o): first remove the results of an earlier run. In the run's own "
+      "folder: continue from a checkpoint that is not the newest, and replace all later results");
   sub = command("check", "Validate a deck and estimate its cost", check);
   sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
   with_overrides(sub);

@@ -104,8 +104,9 @@ bool stages_left(const std::string& checkpoint, const model::Model& model, const
     return true;
   }
   if (!arguments.overrides.empty())
-    throw InputError({fmt::format("{}: the run is finished: {} has no effect", checkpoint,
-                                  fmt::join(arguments.overrides, " "))});
+    throw InputError(
+        {fmt::format("{}: the run is finished, so that these changes have no effect: {}",
+                     checkpoint, fmt::join(arguments.overrides, " "))});
   return false;
 }
 

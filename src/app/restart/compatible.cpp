@@ -223,9 +223,14 @@ std::size_t stage_after(const io::File& checkpoint, const std::string& path,
   std::size_t number = 0;
   while (number < model.stages.size() && model.stages[number].name != name) ++number;
   if (number == model.stages.size())
-    refuse(fmt::format("after stage \"{}\", which this deck does not have", name));
+    refuse(
+        fmt::format("after stage \"{}\", which this deck does not have; give the deck a stage of "
+                    "this name, or start from another checkpoint",
+                    name));
   if (number + 1 == model.stages.size())
-    refuse(fmt::format("after stage \"{}\", the last stage of this deck: no stage is left", name));
+    refuse(fmt::format(
+        "after stage \"{}\", the last stage of this deck: no stage is left; add a stage after it",
+        name));
   return number + 1;
 }
 

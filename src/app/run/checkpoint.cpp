@@ -67,8 +67,8 @@ void Run::resume(const std::string& checkpoint) {
   const Values then =
       with_moved_files(comm, file, stored_values(file, values_of(effective)), effective);
   for (const std::string& change : changes(then, values_of(effective)))
-    context_.warn(fmt::format("changed at {:.6g} s, where the run was resumed: {}",
-                              course_.clock.time(), change));
+    context_.warn(fmt::format("{} from {:.6g} s on, where the run was resumed", change,
+                              course_.clock.time()));
   scheme_.resume(file, folder_of_checkpoint(checkpoint) + "/results.h5");
   // The checkpoint was written at the end of a stage: the run continues with the next one.
   if (!course_.begun) ++course_.stage;

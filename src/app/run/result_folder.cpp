@@ -91,8 +91,8 @@ std::string objection(const std::string& folder, const std::vector<fs::path>& ol
   const bool remove = old_results == OldResults::remove;
   if ((remove || !old.empty()) && start_lies_in(start, folder))
     return fmt::format(
-        "{}: contains the checkpoint that the run reads at its start ({}) and would remove; choose "
-        "another folder (-o DIR)",
+        "{}: contains {}, from which this run starts: results in this folder cannot be replaced; "
+        "choose another folder (-o DIR)",
         folder, start);
   if (remove || old.empty()) return "";
   // A run that was killed before its first checkpoint cannot be resumed.
@@ -141,7 +141,8 @@ FolderLock::FolderLock(const par::Comm& comm, const std::string& folder) {
   if (comm.root()) {
     descriptor_ = ::open((folder + "/.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0)
-      problem = fmt::format("{}: the folder is not writable ({})", folder, std::strerror(errno));
+      problem = fmt::format("{}: the folder is not writable ({}); choose another folder (-o DIR)",
+                            folder, std::strerror(errno));
     else if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
       problem = fmt::format(
           "{}: another run is writing into this folder; wait until that run ends, stop that run, "

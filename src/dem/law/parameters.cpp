@@ -110,7 +110,9 @@ void Physics::declare(input::Section& s) {
       return number >= 0 && materials[static_cast<std::size_t>(number)].young > 0;
     };
     s.rule(key + ".law", !needs_young(law.kind) || (stiff(law.first) && stiff(law.second)),
-           "needs young above 0 in both materials", {.reads = {key, "material"}});
+           fmt::format("needs young above 0 in both materials; that of \"{}\" is 0",
+                       stiff(law.first) ? law.second : law.first),
+           {.reads = {key, "material"}});
   }
 }
 

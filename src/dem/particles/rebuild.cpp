@@ -103,9 +103,11 @@ void Particles::Impl::migrate(std::vector<History>& history) {
                       state.id[b]));
     else if (grid.outside(at))
       report(
-          fmt::format("particle {} left the domain at ({:.6g}, {:.6g}, {:.6g}) m; use a smaller "
+          fmt::format("particle {} left the domain at ({:.6g}, {:.6g}, {:.6g}) m; the domain "
+                      "reaches from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) m; use a smaller "
                       "time.step or dem.safety, or lower speeds",
-                      state.id[b], at.x(), at.y(), at.z()));
+                      state.id[b], at.x(), at.y(), at.z(), domain.low.x(), domain.low.y(),
+                      domain.low.z(), domain.high.x(), domain.high.y(), domain.high.z()));
     const int owner = at.allFinite() ? grid.owner_at(at) : comm.rank();
     if (owner == comm.rank()) {
       staying.push_back(b);

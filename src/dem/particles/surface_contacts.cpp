@@ -183,12 +183,12 @@ double Particles::Impl::touch_with_corners(Approach& a, const SubStep& step) {
   // Points that were never in contact with the patch may be behind it.
   if (std::any_of(a.patches.begin(), a.patches.end(),
                   [&](const Approach::Patch& p) { return p.patch == lost; }))
-    report(fmt::format(
-        "particle {} at ({:.3g}, {:.3g}, {:.3g}) m has penetrated the surface \"{}\" by more than "
-        "{} of the bounding radius of its piece, beyond which the contact is no longer detected; "
-        "reduce time.step or dem.safety, or use stiffer contacts",
-        state.id[b], state.x[b].vec3().x(), state.x[b].vec3().y(), state.x[b].vec3().z(),
-        s.surface.name, largest_corner_depth));
+    report(
+        fmt::format("a piece of particle {} at ({:.3g}, {:.3g}, {:.3g}) m has penetrated the "
+                    "surface \"{}\" by more than {} times its own bounding radius: deeper contacts "
+                    "are not detected; reduce time.step or dem.safety, or use stiffer contacts",
+                    state.id[b], state.x[b].vec3().x(), state.x[b].vec3().y(),
+                    state.x[b].vec3().z(), s.surface.name, largest_corner_depth));
   double worst = 0;
   for (std::size_t begin = 0, end = 0; begin < found.size(); begin = end) {
     while (end < found.size() && found[end].patch == found[begin].patch) ++end;
@@ -341,8 +341,8 @@ void Particles::Impl::compute_surface_forces(const SubStep& step) {
   const Vec4& x = state.x[b];
   // Only the worst case: a slow surface that is moved through a bed touches many.
   report(fmt::format(
-      "particle {} at ({:.3g}, {:.3g}, {:.3g}) m overlaps the surface \"{}\" by {:.3g} "
-      "of its {} (limit dem.largest_overlap = {:.3g}); a slower impact or surface, a smaller "
+      "particle {} at ({:.3g}, {:.3g}, {:.3g}) m overlaps the surface \"{}\" by {:.3g} times the "
+      "{} of its piece (limit dem.largest_overlap = {:.3g}); a slower impact or surface, a smaller "
       "step, a stiffer contact or less load may help",
       state.id[b], x.x, x.y, x.z, surfaces[static_cast<std::size_t>(deepest->surface)]->name, worst,
       has_corners(deepest->piece) ? "rounding radius" : "radius", parameters.largest_overlap));

@@ -121,7 +121,8 @@ Grid::Grid(const Domain& domain, std::span<const double> bounds, double skin,
     if (domain.periodic[static_cast<std::size_t>(a)] && period(a) < least)
       problems.push_back(
           fmt::format("the periodic length of the domain is {:.4g} m along {}; it must be at least "
-                      "{:.4g} m, 3 times the diameter of the largest particle including the skin",
+                      "{:.4g} m, 3 times the diameter of the largest particle including the skin; "
+                      "make the domain longer or dem.skin smaller",
                       period(a), axis_name[a], least));
   if (!problems.empty()) throw InputError(problems);
 }

@@ -16,7 +16,8 @@ int Shapes::add(const Template& shape) {
   std::vector<std::string> problems;
   const auto number = templates_.size();
   if (shape.pieces.empty() || shape.pieces.size() >= (1u << piece_bits))
-    problems.push_back(fmt::format("shape {} needs 1 to {} pieces", number, (1 << piece_bits) - 1));
+    problems.push_back(fmt::format("shape {} has {} pieces, but needs 1 to {}", number,
+                                   shape.pieces.size(), (1 << piece_bits) - 1));
   if (!(shape.volume > 0) || !(shape.gyration.minCoeff() > 0))
     problems.push_back(fmt::format("shape {} has no volume or inertia", number));
   std::vector<Core> cores;

@@ -51,7 +51,10 @@ std::vector<Template> load_templates(const io::File& file, const std::string& gr
   const auto corners = file.read_all<double>(group + "/corners");
   const auto loops = file.read_all<std::int64_t>(group + "/faces");
   const auto whole = [&](bool fits) {
-    if (!fits) throw RunError(group + ": the templates' parts are inconsistent");
+    if (!fits)
+      throw RunError(group +
+                     ": the numbers of pieces, corners and faces of the stored shapes do not "
+                     "agree: the file is damaged");
   };
   std::size_t corner = 0, loop = 0;
   const auto piece = [&](std::size_t p) {

@@ -164,8 +164,8 @@ void Ground::load(const io::File& file, const std::string& group) {
   const std::size_t total = file.extent(group + "/node")[0];
   if (total != static_cast<std::size_t>(mesh.node_count()))
     throw RunError(
-        fmt::format("the ground in the checkpoint has {} nodes, but that of the deck has {}; "
-                    "restart with the ground of the checkpoint",
+        fmt::format("the ground in the checkpoint has {} nodes, but that of the deck has {}; give "
+                    "the deck the ground with which the checkpoint was written",
                     total, mesh.node_count()));
   for (std::size_t begin = 0; begin < total; begin += rows_at_once) {
     const std::size_t count = std::min(rows_at_once, total - begin);

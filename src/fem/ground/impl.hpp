@@ -147,7 +147,7 @@ struct Ground::Impl {
   struct NewtonStep {
     double dt;
     const AlphaScheme& scheme;
-    double rounding, scale = 0, residual = 0, strain = 0;
+    double rounding, scale = 0, residual = 0, enough = 0, strain = 0;
     std::int64_t unsolved = 0;
     int iterations = 0, earlier = 0;  // of this attempt, of earlier ones
     bool converged = false;

@@ -101,10 +101,11 @@ void require_held(const SolidMesh& mesh, const GroundParameters& parameters, con
     if (free.row(k).norm() > 0.1)
       motions.push_back(fmt::format("{} {}", k < 3 ? "move along" : "turn about",
                                     axes[static_cast<std::size_t>(k % 3)]));
-  throw InputError({fmt::format(
-      "{}: the borders do not hold the ground in static equilibrium: it can {}; add a border that "
-      "is fixed, viscous at the base, or a roller normal to the free direction",
-      parameters.mesh, fmt::join(motions, ", "))});
+  throw InputError(
+      {fmt::format("{}: the borders do not hold the ground in static equilibrium: it can {}; add a "
+                   "fixed border, a viscous border at the base, or a roller whose normal is along "
+                   "a free motion (against a turn: off its axis)",
+                   parameters.mesh, fmt::join(motions, " and "))});
 }
 
 // Effect of a border face on a wave along these axes. A free face at an end of the mesh is where
@@ -180,8 +181,9 @@ void warn_of_size(const GroundParameters& parameters, const Box& all,
   if (parameters.mesh.empty()) return;
   if (size.maxCoeff() > large || size.minCoeff() < small)
     warnings.push_back(
-        fmt::format("{}: the mesh measures {:g} x {:g} x {:g} m: is the file in metres?",
-                    parameters.mesh, size.x(), size.y(), size.z()));
+        fmt::format("{}: the mesh measures {:g} x {:g} x {:g} m (usual: {:g} to {:g} m): is the "
+                    "file in metres?",
+                    parameters.mesh, size.x(), size.y(), size.z(), small, large));
 }
 
 void warn_of_open_faces(const SolidMesh& mesh, const GroundParameters& parameters,
@@ -231,9 +233,10 @@ void warn_of_curved_edges(const SolidMesh& mesh, const GroundParameters& paramet
       off.begin(), off.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   const Vec3& at = place(mesh, worst->first);
   warnings.push_back(
-      fmt::format("{}: {} edges of the top are curved: a mid-edge node deviates from the straight "
-                  "edge by up to {:.2g} % of its length, at ({:g}, {:g}, {:g}) m; stones and "
-                  "pressures act on two straight pieces of each of these edges",
+      fmt::format("{}: {} edges of the top are curved: a mid-edge node is off the straight line "
+                  "between the corners by up to {:.2g} % of the length of the edge, at ({:g}, "
+                  "{:g}, {:g}) m; for stones and pressures, each of these edges is replaced by two "
+                  "straight lines through its mid-edge node",
                   parameters.mesh, off.size(), 100 * worst->second, at.x(), at.y(), at.z()));
 }
 

@@ -57,7 +57,8 @@ std::string Ground::Impl::not_converged(const NewtonStep& step) {
       step.unsolved > 0
           ? fmt::format("in {} elements the return to the yield surface has no solution",
                         step.unsolved)
-          : fmt::format("the relative out-of-balance force is {:.2g}", step.residual);
+          : fmt::format("the relative out-of-balance force is {:.2g} (required: {:.2g})",
+                        step.residual, step.enough);
   return fmt::format(
       "an implicit step of the ground did not converge in {} Newton iterations: {}; use a shorter "
       "time.window, ground.integrator = \"explicit\", or stronger layers (larger cohesion or "
@@ -129,6 +130,7 @@ bool Ground::Impl::converges(NewtonStep& step, PlasticStep::Follow when, int mos
 // Returns whether the iterations converge.
 bool Ground::Impl::iterate_newton(NewtonStep& step, int most) {
   const double enough = looser * parameters.tolerance * step.scale + step.rounding;
+  step.enough = step.scale > 0 ? enough / step.scale : 0;
   const double factor = (1 - step.scheme.alpha_f) * step.scheme.beta * step.dt * step.dt;
   const auto add = [&](const LinearSystem::Add& to) {
     plastic_step_->tangent(

@@ -116,10 +116,14 @@ void declare_height(const GroundParameters& ground, std::size_t number, Section&
     range = {range.low - ground.layers[l].thickness, range.low};
   const double made = width_in(range, ground.edges(2)), asked = range.high - range.low;
   if (made < 0)
-    return s.rule(key, false,
-                  "is too small: the layer does not contain the centre of any element and would be "
-                  "left out; give each layer its `elements`, or increase elements_z",
-                  about);
+    return s.rule(
+        key, false,
+        fmt::format(
+            "is too small: the layer does not contain the centre of any element ({:.3g} m high) "
+            "and would be left out; give each layer its `elements`, or increase elements_z",
+            (ground.edges(2).back() - ground.edges(2).front()) /
+                static_cast<double>(ground.elements_z)),
+        about);
   constexpr double odd = 0.25;  // of its height: larger deviations are reported
   s.rule(key, std::abs(made - asked) <= odd * asked,
          fmt::format("becomes {:.3g} m, the height of the elements whose centres are in the layer; "
@@ -330,8 +334,11 @@ void GroundParameters::declare_grading(Section& s) {
            "Position of the narrowest elements across the track (ratio_y).");
   const auto inside = [&](const char* name, double ratio_of, double fine,
                           const std::vector<double>& range, const About& about) {
+    const std::string place = range.size() != 2 ? ""
+                                                : fmt::format(" (ground.{}: {:g} to {:g} m)",
+                                                              name + 5, range[0], range[1]);
     s.rule(name, ratio_of == 1 || range.size() != 2 || (fine >= range[0] && fine <= range[1]),
-           "must be within the ground", about);
+           "must be within the ground" + place, about);
     s.rule(name, ratio_of != 1 || fine == 0, "has no effect: all elements are equal (ratio 1)",
            {.severity = input::Severity::warning, .reads = about.reads});
   };
@@ -390,7 +397,9 @@ void GroundParameters::declare_steps(Section& s) {
   s.number("newmark_gamma", newmark_gamma, {.at_least = 0.5, .at_most = 1},
            "Newmark's gamma (newmark); values above 0.5 give numerical damping.");
   s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
-         "must be at least half of newmark_gamma, or the integrator is not unconditionally stable");
+         fmt::format("must be at least half of newmark_gamma ({:g}), or the integrator is not "
+                     "unconditionally stable",
+                     newmark_gamma / 2));
   declare_alphas(*this, s);
   declare_idle_numbers(*this, s);
   s.number("tolerance", tolerance, {.at_least = 1e-14, .at_most = 1e-2},
@@ -399,7 +408,8 @@ void GroundParameters::declare_steps(Section& s) {
   s.integer("static_iterations", static_iterations, {.at_least = 1},
             "Number of iterations within which the out-of-balance force of the static solve must "
             "halve (yielding layers); otherwise the solve is abandoned as not converging. Near "
-            "collapse the whole solve may take 1000 iterations or more; then increase this value.");
+            "collapse the force decreases slowly (1000 iterations or more in all); increase this "
+            "value if such a solve is abandoned.");
 }
 
 void GroundParameters::declare_base(Section& s) {

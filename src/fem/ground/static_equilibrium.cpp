@@ -18,13 +18,16 @@ namespace trackbed::fem {
 
 namespace {
 
+// Out-of-balance force over all forces. The remainder becomes plastic strain in the first steps.
+constexpr double enough = 1e-5;
+
 std::string divergence(int iterations, std::int64_t patience, double residual) {
   return fmt::format(
       "static solve of the ground did not converge: the relative out-of-balance force is {:.2g} "
-      "after {} iterations and has not halved within the last {}; check loads, cohesion, "
-      "friction_angle and tensile_strength; if the ground is stable but near collapse, increase "
-      "ground.static_iterations",
-      residual, iterations, patience);
+      "(required: {:g}) after {} iterations and has not halved within the last {}; check loads, "
+      "cohesion, friction_angle and tensile_strength; if the ground is stable but near collapse, "
+      "increase ground.static_iterations",
+      residual, enough, iterations, patience);
 }
 
 // Near collapse the increments of successive iterations have the same direction and decrease
@@ -123,8 +126,6 @@ void Ground::Impl::elastic_equilibrium(const Nodal& right) {
 }
 
 bool Ground::Impl::yielding_equilibrium(const Nodal& right, const StaticMonitor& monitor) {
-  // Out-of-balance force over all forces. The remainder becomes plastic strain in the first steps.
-  constexpr double enough = 1e-5;
   const std::int64_t patience = parameters.static_iterations;
   StaticSolver solver(mesh, stiffness, terms);
   AitkenAcceleration acceleration(mesh, solver);

@@ -126,7 +126,8 @@ void Reader::names() {
   for (std::size_t n = words_.count("physical names"); n > 0; --n) {
     const Id dimension = words_.integer("the dimension of a group");
     const Id tag = words_.integer("a tag of a physical group");
-    if (dimension < 0 || dimension > 3) words_.fail("the dimension of a group must be 0 to 3");
+    if (dimension < 0 || dimension > 3)
+      words_.fail(fmt::format("the dimension of a group must be 0 to 3, not {}", dimension));
     const auto at = static_cast<std::size_t>(group(static_cast<int>(dimension), tag));
     file_.groups[at].name = words_.quoted();
   }
@@ -273,7 +274,7 @@ void Reader::require_known() const {
           "Gmsh: Mesh.ElementOrder = 2)";
     problems.push_back(file_.where(
         first.line,
-        fmt::format("element {} is a {}{}: {}", first.tag, kind.name,
+        fmt::format("element {} is of type {}{}: {}", first.tag, kind.name,
                     first.count > 1 ? fmt::format(" (the first of {})", first.count) : "", why)));
   }
   if (!problems.empty()) throw InputError(problems);

@@ -84,7 +84,8 @@ void MeshProblems::check_groups(const GroundParameters& parameters) {
            file_.groups[static_cast<std::size_t>(triangle.group)].name == parameters.mesh_top;
   };
   if (kinds_.empty() && std::none_of(file_.triangles.begin(), file_.triangles.end(), is_top))
-    add("no top", fmt::format("{}: the physical surface \"{}\" is empty: stones need a top",
+    add("no top", fmt::format("{}: the physical surface \"{}\" is empty: it must be the top of the "
+                              "ground, at z = 0 (ground.mesh_top)",
                               file_.path, parameters.mesh_top));
 }
 

@@ -244,8 +244,9 @@ void Builder::check_direction(const GmshFile::Element& triangle, const SolidMesh
                               int number) {
   if (number < 0) {
     if (face.axis != 2 || face.low)
-      problems_.add("top", triangle,
-                    "of the top is not level or does not face up: stones need a top at z = 0");
+      problems_.add(
+          "top", triangle,
+          "of the top is not level or does not face up: the top must be level and at z = 0");
     return;
   }
   const MeshBorder& border = parameters_.borders[static_cast<std::size_t>(number)];

@@ -276,10 +276,11 @@ void LinearSystem::Handles::require_solved(double all) {
   check(VecAYPX(residual, -1, right), "add vectors");
   check(VecNorm(residual, NORM_2, &left), "measure a vector");
   if (!(left <= rounding * all))
-    throw RunError(fmt::format(
-        "the linear solver of the ground leaves a residual of {:.2g} times the forces; use "
-        "-ground_ksp_type preonly with direct solvers only (-ground_pc_type cholesky or lu)",
-        left / all));
+    throw RunError(
+        fmt::format("the linear solver of the ground leaves a residual of {:.2g} times the forces "
+                    "(limit {:g}); use -ground_ksp_type preonly with direct solvers only "
+                    "(-ground_pc_type cholesky or lu)",
+                    left / all, rounding));
 }
 
 // Solves for the correction of the guess. Given the guess itself, PETSc measures divergence

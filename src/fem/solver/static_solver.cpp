@@ -114,9 +114,9 @@ int StaticSolver::solve(const Nodal& right, Nodal& x, double tolerance, double s
     if (count == most)
       throw RunError(
           fmt::format("static solve of the ground did not converge: the relative residual is "
-                      "{:.3g} after {} iterations; reduce the differences in stiffness between "
-                      "ground materials (layers, blocks, solids) or springs",
-                      tolerance * std::sqrt(rr / enough), most));
+                      "{:.3g} (required: {:.2g}) after {} iterations; make the stiffnesses of "
+                      "ground materials (layers, blocks, solids) and springs less unequal",
+                      tolerance * std::sqrt(rr / enough), tolerance, most));
     apply(p, q);
     const double step = rz / products(p, q, q)[0];
     for (int c = 0; c < components; ++c)

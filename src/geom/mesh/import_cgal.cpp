@@ -48,8 +48,12 @@ void scale(std::vector<Vec3>& points, double unit) {
   constexpr double largest = 1e6;  // m
   for (Vec3& p : points) {
     p *= unit;
-    if (!p.allFinite() || p.cwiseAbs().maxCoeff() > largest)
-      refuse("a coordinate is not a number, or is larger than 1000 km; is the length unit right?");
+    for (const double at : p)
+      if (!(std::abs(at) <= largest))
+        refuse(
+            fmt::format("a coordinate is {:g} m, which is not a number or larger than 1000 km; is "
+                        "the length unit right?",
+                        at));
   }
 }
 

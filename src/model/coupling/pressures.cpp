@@ -41,8 +41,8 @@ void PressureParameters::declare(input::Section& s) {
            "Shear stress along y (space).");
   s.choice("course", course, course_words,
            "Course over time; dead: constant, included in the static equilibrium at the start; "
-           "rise: half a cosine over the duration, then constant (0: a step); pulse: a haversine "
-           "of that duration; harmonic: a sine; table: from the file.");
+           "rise: half a cosine over the duration, then constant (duration 0: a step); pulse: a "
+           "haversine of that duration; harmonic: a sine; table: from the file.");
   s.number("begin", begin, {.unit = "s", .at_least = 0},
            "Start time of rise, pulse and harmonic. Times count from the start of the ground's "
            "motion.");
@@ -98,12 +98,10 @@ Pressures::Pressures(const par::Comm& comm, const Surface& top, bool around,
   const auto [low, high] =
       std::minmax_element(top.position.begin(), top.position.end(),
                           [](const Vec3& a, const Vec3& b) { return a.y() < b.y(); });
-  if (around) {
-    const auto [begin, end] =
-        std::minmax_element(top.position.begin(), top.position.end(),
-                            [](const Vec3& a, const Vec3& b) { return a.x() < b.x(); });
-    low_ = begin->x(), length_ = end->x() - begin->x();
-  }
+  const auto [begin, end] =
+      std::minmax_element(top.position.begin(), top.position.end(),
+                          [](const Vec3& a, const Vec3& b) { return a.x() < b.x(); });
+  if (around) low_ = begin->x(), length_ = end->x() - begin->x();
   for (const PressureParameters& given : parameters) {
     One one;
     one.given = given, one.table = given.table();
@@ -111,11 +109,11 @@ Pressures::Pressures(const par::Comm& comm, const Surface& top, bool around,
     if (!given.y.empty()) one.rectangle.y = {given.y.at(0), given.y.at(1)};
     if (given.speed == 0) one.fixed = weights(one.rectangle);
     if (given.speed == 0 && one.fixed.empty())
-      throw InputError(
-          {fmt::format("pressure \"{}\" (x = {:g} to {:g} m, y = {:g} to {:g} m) is outside of the "
-                       "top of the ground",
-                       given.name, one.rectangle.x[0], one.rectangle.x[1], one.rectangle.y[0],
-                       one.rectangle.y[1])});
+      throw InputError({fmt::format(
+          "pressure \"{}\" (x = {:g} to {:g} m, y = {:g} to {:g} m) is outside of the top of the "
+          "ground (x = {:g} to {:g} m, y = {:g} to {:g} m); move it onto the top",
+          given.name, one.rectangle.x[0], one.rectangle.x[1], one.rectangle.y[0],
+          one.rectangle.y[1], begin->x(), end->x(), low->y(), high->y())});
     all_.push_back(std::move(one));
   }
 }

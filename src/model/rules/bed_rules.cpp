@@ -46,8 +46,13 @@ std::string misfit(const bed::LayerParameters& layer, Dimension dimension) {
 // for a layer that no stage pours.
 void declare_layers(const Model& model, input::Section& s) {
   const std::vector<std::string> names = names_of(model.bed.layers);
-  s.rule("bed.layer", std::set(names.begin(), names.end()).size() == names.size(),
-         "layers must have different names", {.reads = {"bed.layer"}});
+  const auto again = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
+    return std::count(names.begin(), names.end(), name) > 1;
+  });
+  s.rule("bed.layer", again == names.end(),
+         fmt::format("layers must have different names; several have the name \"{}\"",
+                     again == names.end() ? "" : *again),
+         {.reads = {"bed.layer"}});
   std::set<std::string> poured;
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     const std::string& layer = model.stages[i].layer;

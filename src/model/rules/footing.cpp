@@ -62,8 +62,8 @@ void declare_track(const Model& model, input::Section& s) {
   const double last = first + static_cast<double>(footing.count - 1) * track.spacing;
   s.rule("footing.before", first >= track.run_in - same_length,
          fmt::format("the first sleeper on the ground is at {:g} m from the start of the track, "
-                     "within the run-in of {:g} m",
-                     first, track.run_in),
+                     "within the run-in of {:g} m; must be at least {:g}, or track.run_in shorter",
+                     first, track.run_in, std::ceil((track.run_in - same_length) / track.spacing)),
          about);
   s.rule("footing.count", last <= track.length - track.run_in + same_length,
          fmt::format("the last sleeper on the ground is at {0:g} m from the start of the track; it "
@@ -87,11 +87,12 @@ void declare_two_rails(const Model& model, input::Section& s) {
   s.rule("footing.rails", footing.rails == 2,
          "must be 2 if track.dimension = \"space\": the ground then carries both rails",
          {.reads = {"track", "footing"}});
-  s.rule("footing.length", is_plane(model) || footing.length >= length - same_length,
-         fmt::format("is less than a sleeper's length (track.sleeper_length = {:g} m): below two "
-                     "rails whole sleepers load the ground, through ballast that spreads the load",
-                     length),
-         {.reads = {"track", "footing", "dimension"}});
+  s.rule(
+      "footing.length", is_plane(model) || footing.length >= length - same_length,
+      fmt::format("must be at least the length of a sleeper (track.sleeper_length = {:g} m): with "
+                  "two rails, whole sleepers load the ground, and the ballast spreads their load",
+                  length),
+      {.reads = {"track", "footing", "dimension"}});
 }
 
 // m, extent of all footprints along x.

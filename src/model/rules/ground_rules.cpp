@@ -163,10 +163,12 @@ std::vector<std::string> warnings_of_shapes(const Model& model, const input::Dec
     }
   }
   if (longest <= flat * shortest || of_shortest == of_longest) return {};
-  return {fmt::format(
-      "{}: elements are up to {:.3g} m long along {}, but only {:.3g} m along {}: such flat "
-      "elements need short steps and have inaccurate stresses",
-      deck.where("ground.elements_" + of_longest), longest, of_longest, shortest, of_shortest)};
+  return {
+      fmt::format("{}: elements are up to {:.3g} m long along {}, but only {:.3g} m along {}: such "
+                  "flat elements (ratio above {:g}) need short steps and have inaccurate stresses; "
+                  "use more elements along {} or fewer along {}",
+                  deck.where("ground.elements_" + of_longest), longest, of_longest, shortest,
+                  of_shortest, flat, of_longest, of_shortest)};
 }
 
 // All warnings from elements and tables of a ground, also of an embankment or a mesh.

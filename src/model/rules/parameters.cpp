@@ -56,15 +56,14 @@ void Stage::declare_course(input::Section& s) {
       "layer that [bed] itself describes, usually the uppermost one.");
   // A stage that is read (not only described) has its name and its kind at this point.
   const bool positive = !name.empty() && kind != StageKind::passage && kind != StageKind::tamp;
-  s.number(
-      "duration", duration,
-      {.unit = "s",
-       .above = positive ? 0 : -input::unbounded,
-       .at_least = positive ? -input::unbounded : 0,
-       .usually_to = 100},
-      "Longest simulated time of the stage, above 0 in all kinds but passage and tamp; passage: "
-      "time of all trains together, or 0: until the last axle has left (several trains with train "
-      "= true: must be 0); tamp: must be 0, since its times are those of [tamping].");
+  s.number("duration", duration,
+           {.unit = "s",
+            .above = positive ? 0 : -input::unbounded,
+            .at_least = positive ? -input::unbounded : 0,
+            .usually_to = 100},
+           "Longest simulated time of the stage. passage: time of all trains together; with 0 the "
+           "stage ends when the last axle has left, and several trains with train = true need 0. "
+           "tamp: must be 0 (the times are those of [tamping]). All other kinds: above 0.");
   s.number("growth", growth, {.unit = "s", .at_least = 0, .usually_to = 10},
            "Time in which stones grow in place from a small initial size to their full size "
            "(fill); 0: stones of full size are dropped.");
@@ -109,7 +108,8 @@ void Stage::declare_bodies(input::Section& s) {
 
 void Stage::declare_loads(input::Section& s) {
   s.number("seat_force", seat_force, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
-           "Constant force on each sleeper, downwards; of two seats of a sleeper each takes half.");
+           "Constant force on each sleeper, downwards; a sleeper with two seats has half of it on "
+           "each.");
   s.number("load", load, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
            "Peak force on each sleeper in addition to seat_force (load).");
   s.number("ramp", ramp, {.unit = "s", .at_least = 0},

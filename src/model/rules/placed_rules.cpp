@@ -7,6 +7,7 @@
 #include "model/rules/placed_rules.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -170,7 +171,9 @@ void declare_domain(const Model& model, input::Section& s) {
   if (!ok(d.low) || d.low.size() != d.high.size()) return;
   const dem::Domain box = model.domain();
   const bool rises = d.low.empty() || (vector_of(d.high) - vector_of(d.low)).minCoeff() > 0;
-  s.rule("domain.high", rises, "must be above `low` in x, y and z", {.reads = {"domain"}});
+  s.rule("domain.high", rises,
+         fmt::format("must be above `low` in x, y and z (low = [{:g}] m)", fmt::join(d.low, ", ")),
+         {.reads = {"domain"}});
   for (std::size_t i = 0; rises && i < model.placed.stones.size(); ++i) {
     const Vec3 at = vector_of(model.placed.stones[i].position);
     const std::string key = fmt::format("stone[{}].position", i);

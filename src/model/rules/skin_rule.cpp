@@ -13,11 +13,14 @@ namespace trackbed::model {
 // the skin is in mm; with a skin of a thousandth of a radius they are outdated in each sub-step.
 void declare_skin(const Model& model, double smallest, double largest, input::Section& s) {
   const double skin = model.dem.skin;
-  s.rule("dem.skin", skin == 0 || (skin >= 5e-4 * smallest && skin <= largest),
-         fmt::format("makes neighbour lists that are {}: the stones have diameters of about {:.3g} "
-                     "to {:.3g} m; is the skin in m? 0 lets the program choose",
-                     skin > largest ? "very long" : "soon outdated", smallest, largest),
-         {.severity = input::Severity::warning, .reads = {"dem.skin", "bed", "stone"}});
+  s.rule(
+      "dem.skin", skin == 0 || (skin >= 5e-4 * smallest && skin <= largest),
+      fmt::format(
+          "makes neighbour lists that are {}: the stones have diameters of about {:.3g} to {:.3g} "
+          "m, for which a skin is {:.2g} to {:.3g} m; is the skin in m? 0 lets the program choose",
+          skin > largest ? "very long" : "soon outdated", smallest, largest, 5e-4 * smallest,
+          largest),
+      {.severity = input::Severity::warning, .reads = {"dem.skin", "bed", "stone"}});
 }
 
 // Sieve sizes are in mm. Those of a cell are in its own deck.

@@ -31,8 +31,9 @@ void declare_clearance(const Model& model, input::Section& s) {
          x.size() != 2 || (sleepers.first - half >= x[0] - same_length &&
                            sleepers.last() + half <= x[1] + same_length),
          fmt::format("tines and their clearance reach from x = {:g} to {:g} m, beyond the ends of "
-                     "the bed",
-                     sleepers.first - half, sleepers.last() + half),
+                     "the bed (bed.x = {:g} to {:g} m); make the bed longer or the gap smaller",
+                     sleepers.first - half, sleepers.last() + half, x.empty() ? 0 : x.front(),
+                     x.empty() ? 0 : x.back()),
          about);
   if (model.dimension == Dimension::plane) return;
   s.rule("tamping.y", !p.y.empty(), "must give the positions of the tines across the track", about);
@@ -43,7 +44,9 @@ void declare_clearance(const Model& model, input::Section& s) {
                                         return at - p.width / 2 >= y[0] - same_length &&
                                                at + p.width / 2 <= y[1] + same_length;
                                       }),
-         "puts tines beyond the sides of the bed (bed.y)", about);
+         fmt::format("puts tines beyond the sides of the bed (bed.y = {:g} to {:g} m)",
+                     y.empty() ? 0 : y.front(), y.empty() ? 0 : y.back()),
+         about);
 }
 
 }  // namespace

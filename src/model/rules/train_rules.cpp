@@ -31,11 +31,12 @@ std::vector<std::string> idle_sections(const Model& model) {
 // Sections of rail and train without a train would have no effect.
 void declare_presence(const Model& model, input::Section& s) {
   const std::vector<std::string> idle = idle_sections(model);
-  s.rule("model", idle.empty(),
-         fmt::format("must be \"track\", or a stage must have train = true: otherwise sections of "
-                     "rail and train that are in the deck have no effect ({})",
-                     fmt::join(idle, ", ")),
-         {.reads = {"model"}});
+  s.rule(
+      "model", idle.empty(),
+      fmt::format("must be \"track\" or \"track_on_ground\", or a stage must have train = true: "
+                  "otherwise sections of rail and train that are in the deck have no effect ({})",
+                  fmt::join(idle, ", ")),
+      {.reads = {"model"}});
   const track::SeatParameters none;
   s.rule("seat",
          model.has_train() || (model.seat.before == none.before && model.seat.rails == none.rails),
@@ -91,11 +92,12 @@ void declare_place(const Model& model, input::Section& s) {
          about);
   const double first = static_cast<double>(model.seat.before) * track.spacing;
   const double last = first + static_cast<double>(bed.count - 1) * track.spacing;
-  s.rule("seat.before", first >= track.run_in * (1 - alike),
-         fmt::format("puts the first sleeper of the bed at {:g} m from the start of the track, "
-                     "within its run-in of {:g} m",
-                     first, track.run_in),
-         about);
+  s.rule(
+      "seat.before", first >= track.run_in * (1 - alike),
+      fmt::format("puts the first sleeper of the bed at {:g} m from the start of the track, within "
+                  "its run-in of {:g} m; must be at least {:g}, or track.run_in shorter",
+                  first, track.run_in, std::ceil(track.run_in * (1 - alike) / track.spacing)),
+      about);
   s.rule("track.length", last <= (track.length - track.run_in) * (1 + alike),
          fmt::format("must be at least {:g} m: {:g} m up to the last sleeper of the bed, and the "
                      "run-out beyond it",

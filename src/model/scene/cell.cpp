@@ -145,7 +145,8 @@ class CellCheck {
     }
     if (periodic_in(cell_, "y") != model_.periodic_in("y"))
       add("periodic",
-          fmt::format("differs from that of the cell, which was made {} \"y\"; both must be equal",
+          fmt::format("{} \"y\", but the cell was made {} it; both must contain \"y\" or neither",
+                      model_.periodic_in("y") ? "contains" : "is without",
                       periodic_in(cell_, "y") ? "with" : "without"));
     const std::vector<double> y = numbers_of(cell_, "bed.y");
     if (y != model_.bed.y)
@@ -173,7 +174,9 @@ class CellCheck {
     const auto fills = std::count_if(model_.stages.begin(), model_.stages.end(),
                                      [](const Stage& s) { return s.kind == StageKind::fill; });
     if (fills > 1)
-      add("bed.cell", "is laid by a stage of kind fill; there must be only one such stage");
+      add("bed.cell",
+          fmt::format("needs exactly one stage of kind fill, which lays it; the deck has {}",
+                      fills));
   }
 
   // Only materials of stones are checked; the cell's deck may have others.

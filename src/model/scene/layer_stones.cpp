@@ -63,7 +63,8 @@ void require_length(const Model& model, const std::string& layer, double largest
     if (!domain.periodic[static_cast<std::size_t>(axis)] || length >= least) continue;
     problems.push_back(fmt::format(
         "{}: the length of the bed along a periodic axis is {:.4g} m and must be at least {:.4g} "
-        "m, 3 times the sum of dem.skin and the diameter of the sphere around its largest stone{}",
+        "m, 3 times the sum of dem.skin and the diameter of the sphere around its largest stone{}; "
+        "make the bed longer, or dem.skin or the stones smaller",
         deck.where(axis == 0 ? "bed.x" : "bed.y"), length, least,
         layer.empty() ? "" : fmt::format(" of layer {}", layer)));
   }
@@ -82,8 +83,8 @@ void require_fill_height(const Model& model, const StonesOfLayers& layers,
     if (stage.growth == 0 && top > high)  // growing stones begin small
       throw InputError({fmt::format(
           "{}: the loose stones would reach {:.3g} m, above the limit of {:.3g} m (1 m plus ten "
-          "times the height of all layers); make the bed wider, or give a larger bed.elongation "
-          "(pebbles) or bed.polyhedron.elongation (less elongated stones)",
+          "times the height of all layers); make the bed wider or the stones less elongated: a "
+          "larger bed.elongation (pebbles) or bed.polyhedron.elongation (other generated stones)",
           deck.where(stage.layer.empty() ? "bed.height"
                                          : fmt::format("bed.layer.{}.height", stage.layer)),
           top, high)});

@@ -69,8 +69,9 @@ Steps choose_steps(const World& world, const StonesStep& stones, const Stage& st
     steps.window = model.time.window, steps.limit = "time.window";
   }
   if (!std::isfinite(steps.window))
-    throw InputError({fmt::format("{}: nothing moves in stage \"{}\", so there is no time step",
-                                  deck.where("stage"), stage.name)});
+    throw InputError({fmt::format(
+        "{}: nothing moves in stage \"{}\", so there is no time step; give time.window",
+        deck.where("stage"), stage.name)});
   // A window is one call of the DEM, which reads no signals and writes no output.
   constexpr double most = 1e6;
   const double substeps = number_covering(steps.window, step);

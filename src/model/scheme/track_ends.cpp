@@ -48,17 +48,17 @@ std::vector<std::string> warnings_of_passage(const TrackModel& model, const Buil
                                              const std::vector<double>& lowest) {
   std::vector<std::string> warnings;
   const double on = steps_on_track(model, built), off = static_cast<double>(built.passage.lost());
-  const bool flat = model.wheel_rail.flat_axle > 0;
-  if (off > (flat ? off_by_flats : often_off) * on)
+  const double most_off = model.wheel_rail.flat_axle > 0 ? off_by_flats : often_off;
+  if (off > most_off * on)
     warnings.push_back(
-        fmt::format("wheels were off the rail in {:.0f} % of their time steps on the track: check "
-                    "irregularity, track and speed",
-                    100 * off / on));
+        fmt::format("wheels were off the rail in {:.0f} % of their time steps on the track (limit "
+                    "{:.0f} %): check irregularity, track and speed",
+                    100 * off / on, 100 * most_off));
   if (const double load = mean_load(built); load > 0 && wheels.most > far_above * load)
-    warnings.push_back(fmt::format(
-        "the largest wheel force is {:.3g} kN, {:.3g} times the static load: the contact "
-        "is assumed to be elastic, but steel would yield",
-        wheels.most / 1e3, wheels.most / load));
+    warnings.push_back(
+        fmt::format("the largest wheel force is {:.3g} kN, {:.3g} times the static load (limit "
+                    "{:g} times): the contact is assumed to be elastic, but steel would yield",
+                    wheels.most / 1e3, wheels.most / load, far_above));
   const bool beam = model.line.track.support == track::Support::none;
   const double bound = beam ? far_of_span * built.line.length() : far_down;
   const auto worst = std::min_element(lowest.begin(), lowest.end());

@@ -35,12 +35,13 @@ std::string warning_of_sleepers(const World& world) {
   for (std::size_t i = 0; i < sleepers.count(); ++i)
     if (sunk(i) > sunk(worst)) worst = i;
   const double ballast = sleepers.bottom();  // m: the bed begins at z = 0
-  if (!(sunk(worst) > std::min(far_sunk, ballast))) return {};
+  const double limit = std::min(far_sunk, ballast);
+  if (!(sunk(worst) > limit)) return {};
   return fmt::format(
-      "the sleeper at x = {:g} m has settled by {:.3g} mm since it was placed on {:.3g} mm of "
-      "ballast: the ballast below this sleeper has failed or the ground has sunk; results since "
-      "this happened are not reliable",
-      sleepers.x(worst), 1e3 * sunk(worst), 1e3 * ballast);
+      "the sleeper at x = {:g} m has settled by {:.3g} mm (limit {:.3g} mm) since it was placed on "
+      "{:.3g} mm of ballast: the ballast below this sleeper has failed or the ground has sunk; "
+      "results since this happened are not reliable",
+      sleepers.x(worst), 1e3 * sunk(worst), 1e3 * limit, 1e3 * ballast);
 }
 
 // m^3 (plane: over the thickness). For messages only: its last bits depend on the ranks.
@@ -88,12 +89,12 @@ std::string warning_of_bed(const World& world, std::span<const Stage> done) {
       height <= (1 + bed_tolerance) * expected_height + voids_at_faces)
     return {};
   return fmt::format(
-      "the compacted bed is {:.3g} m high and has a porosity of {:.2f}; at the porosity of the "
-      "deck, {:.3g}, these stones would make a bed of {:.3g} m (height in the deck: {:g} m); a bed "
-      "may be {:g} % lower, or {:g} % plus {:.3g} m higher; check the stages, or change "
+      "the compacted bed is {:.3g} m high (porosity {:.2f}); with the porosity of the deck, "
+      "{:.3g}, these stones give {:.3g} m (the deck asks for {:g} m); accepted are heights from "
+      "{:g} % below {:.3g} m to {:g} % plus {:.3g} m above it; check the stages, or change "
       "bed.porosity",
       height, 1 - volume / (area * height), expected.porosity, expected_height, expected.height,
-      100 * bed_tolerance, 100 * bed_tolerance, voids_at_faces);
+      100 * bed_tolerance, expected_height, 100 * bed_tolerance, voids_at_faces);
 }
 
 // In stages of kind fill and cribs falling stones are expected to be fast.
@@ -110,10 +111,11 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
   // A few occur in fills with high speeds; each costs about a hundred contacts.
   const std::int64_t deep = world.particles.core_overlaps();
   if (deep > world.particles.totals().particles)
-    warnings.push_back(fmt::format(
-        "stones overlapped by more than their roundings {} times (pairs, summed over sub-steps): "
-        "give larger roundings (bed.polyhedron.rounding), stiffer contacts or lower speeds",
-        deep));
+    warnings.push_back(
+        fmt::format("in {} cases (one pair in one sub-step each) two stones overlapped by more "
+                    "than their roundings: give larger roundings (bed.polyhedron.rounding), "
+                    "stiffer contacts or lower speeds",
+                    deep));
   return warnings;
 }
 

@@ -117,8 +117,10 @@ void warning_rows(const TrackModel& model, const track::Irregularity& profile,
   double most = 0;
   for (const double z : profile.heights()) most = std::max(most, std::abs(z));
   if (most > high)
-    to.push_back(fmt::format("heights of {} are up to {:g} m; are they given in mm instead of m?",
-                             p.file, most));
+    to.push_back(
+        fmt::format("heights of {} are up to {:g} m (usual: at most {:g} m); are they given in mm "
+                    "instead of m?",
+                    p.file, most, high));
   if (rows.back() < length || rows.front() > p.fade)
     to.push_back(
         fmt::format("{} has rows from {:g} to {:g} m, but the track reaches from 0 to {:g} m; "
@@ -155,17 +157,18 @@ void warning_strikes(const TrackModel& model, const Profiles& both, const Rail& 
   const Places jumps =
       jumps_of(rows, made, reach, {.bound = law.approach(wheel_load), .span = 2 * reach});
   if (jumps.worst > 0)
-    to.push_back(fmt::format("{} jumps by {:.3g} mm at x = {:.10g} m{}: {}; is a row wrong?",
-                             rail.given.file, 1e3 * jumps.worst, jumps.at, jumps.others(),
-                             words_of_strike(model, both, rail, jumps.at)));
+    to.push_back(fmt::format(
+        "{} jumps by {:.3g} mm at x = {:.10g} m{} (limit {:.3g} mm): {}; is a row wrong?",
+        rail.given.file, 1e3 * jumps.worst, jumps.at, jumps.others(), 1e3 * jumps.bound,
+        words_of_strike(model, both, rail, jumps.at)));
   const Places kinks = kinks_of(rows, {made, made, made}, w, jumps,
                                 {.bound = law.approach(excessive), .span = 2 * w});
   if (kinks.worst > 0)
     to.push_back(
-        fmt::format("{} changes its slope by {:.3g} mrad at x = {:.10g} m{}: {}; is this "
-                    "intended?",
+        fmt::format("{} changes its slope by {:.3g} mrad at x = {:.10g} m{} (limit {:.3g} mrad): "
+                    "{}; is this intended?",
                     rail.given.file, 1e3 * kinks.worst / w, kinks.at, kinks.others(),
-                    words_of_strike(model, both, rail, kinks.at)));
+                    1e3 * kinks.bound / w, words_of_strike(model, both, rail, kinks.at)));
 }
 
 std::vector<std::string> warnings_of(const TrackModel& model, const Profiles& both,

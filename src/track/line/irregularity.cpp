@@ -136,7 +136,8 @@ void IrregularityParameters::declare(input::Section& s) {
       "CSV of the profile with columns x_m (increasing), z_m (upwards): cubic between equidistant "
       "rows, linear between others; constant before the first and after the last row.");
   s.rule("file", kind != IrregularityKind::file || !file.empty(), "is needed for kind = \"file\"");
-  s.rule("longest", longest > shortest, "must be longer than `shortest`");
+  s.rule("longest", longest > shortest,
+         fmt::format("must be longer than `shortest` ({:g} m)", shortest));
 }
 
 // Closed forms need no samples.

@@ -231,6 +231,7 @@ Vector Passage::Impl::newton_step(const Vector& without) const {
 // the residual decreases.
 void Passage::Impl::solve_contacts(const Vector& without) {
   const auto residual = [&] { return (approach + flexibility * forces() - without).norm(); };
+  double largest = 0;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     const Vector change = newton_step(without), from = approach;
     const double before = iteration < full_steps ? 0 : residual();
@@ -240,14 +241,14 @@ void Passage::Impl::solve_contacts(const Vector& without) {
          fraction /= 2)
       approach = from - fraction * change;
     ++iterations;
-    const double largest = change.cwiseAbs().maxCoeff();
+    largest = change.cwiseAbs().maxCoeff();
     if (!change.allFinite()) break;
     if (largest <= parameters.tolerance) return;
   }
-  throw RunError(
-      fmt::format("wheel-rail contacts did not converge to {:g} m in {} iterations of Newton's "
-                  "method; reduce the time step (passage.step)",
-                  parameters.tolerance, most_iterations));
+  throw RunError(fmt::format(
+      "wheel-rail contacts did not converge to {:g} m in {} iterations of Newton's method: the "
+      "last one changed an approach by {:.2g} m; reduce the time step (passage.step)",
+      parameters.tolerance, most_iterations, largest));
 }
 
 // N, on the track's unknowns, due to these contact forces.

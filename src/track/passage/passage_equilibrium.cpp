@@ -13,11 +13,13 @@ namespace {
 constexpr double initial_approach = 1e-6;  // m, any positive value: the force is zero
 constexpr double most_change = 1e300;      // m, if a change is not finite
 
-std::string why_no_equilibrium(const Train& train) {
+std::string why_no_equilibrium(const Train& train, double change, double tolerance) {
   const std::string text = fmt::format(
-      "static equilibrium of the train on the track did not converge in {} iterations of Newton's "
-      "method: a wheel may be unloaded",
-      most_iterations);
+      "static equilibrium of the train on the track did not converge to {:g} m in {} iterations of "
+      "Newton's method ({}): a wheel may be unloaded",
+      tolerance, most_iterations,
+      change < most_change ? fmt::format("the last one changed an approach by {:.2g} m", change)
+                           : "the last one has no finite solution");
   for (const VehicleParameters& vehicle : train.vehicles())
     if (vehicle.body_offset != 0)
       return text + fmt::format("; reduce body_offset of {}", vehicle.name);
@@ -68,8 +70,11 @@ void Passage::Impl::start() {
     if (line.stops()[static_cast<std::size_t>(k)].in_matrix)
       approach[wheels_rolling() + k] = initial_approach;
   int iteration = 0;
-  while (iterate_equilibrium(u, g, without) > parameters.tolerance)
-    if (++iteration == most_iterations) throw RunError(why_no_equilibrium(train));
+  for (double change = most_change; change > parameters.tolerance; ++iteration) {
+    if (iteration == most_iterations)
+      throw RunError(why_no_equilibrium(train, change, parameters.tolerance));
+    change = iterate_equilibrium(u, g, without);
+  }
   vehicles.displacement = u;
   track.displacement -= columns * forces();
   for (Eigen::Index k = 0; k < stop_before.size(); ++k) stop_before[k] = own_approach(k);

@@ -94,7 +94,8 @@ void UnderSleeperPadParameters::declare(input::Section& s) {
   s.number(
       "to", to, {.unit = "m", .at_least = 0},
       "x up to which sleepers have under-sleeper pads (exclusive); 0: up to the end of the track.");
-  s.rule("to", to == 0 || to > from, "must be above `from`, or 0");
+  s.rule("to", to == 0 || to > from,
+         fmt::format("must be above `from`, or 0 (from = {:g} m)", from));
   const UnderSleeperPadParameters none;
   const input::About about{.severity = input::Severity::warning,
                            .reads = {"stiffness", "damping", "from", "to"}};
@@ -120,7 +121,7 @@ void TrackZone::declare(input::Section& s) {
            "Gap between sleepers and ballast of the unloaded track (hanging sleepers).");
   s.choice("side", side, {"both", "left", "right"},
            "Rail, or end of the sleepers, to which the zone applies (space).");
-  s.rule("to", to > from, "must be above `from`");
+  s.rule("to", to > from, fmt::format("must be above `from` ({:g} m)", from));
 }
 
 // Parameters of a track with two rails only.
@@ -229,7 +230,10 @@ void TrackParameters::declare(input::Section& s) {
   s.table("sleeper", sleeper, "Sleepers as beams across the track.");
   declare_space(s);
   declare_sleepers(s);
-  s.rule("length", is_multiple(length, spacing), "must be a multiple of track.spacing",
+  const double fewer = std::max(1.0, std::floor(length / spacing));
+  s.rule("length", is_multiple(length, spacing),
+         fmt::format("must be a multiple of track.spacing ({:g} m), such as {:g} or {:g} m",
+                     spacing, fewer * spacing, (fewer + 1) * spacing),
          {.reads = {"length", "spacing"}});
   s.rule("ends", support != Support::none || ends == RailEnds::pinned,
          "must be \"pinned\": the rail has no other support");
@@ -237,7 +241,7 @@ void TrackParameters::declare(input::Section& s) {
     s.rule(fmt::format("zone[{}].gap", i), zones[i].gap == 0 || support == Support::sleepers,
            "must be 0: the track has no sleepers (support)", {.reads = {"support", "zone"}});
   s.rule("run_in", support == Support::none || 2 * run_in <= length,
-         "must be at most half of track.length");
+         fmt::format("must be at most half of track.length ({:g} m)", length / 2));
 }
 
 // Wheel and rail oscillate against each other on the contact stiffness at several hundred Hz, and

@@ -50,8 +50,10 @@ void SleeperParameters::declare(input::Section& s) {
   s.rule("free", are_degrees_of_freedom(free),
          "may contain only x, y, z, rx, ry and rz, each at most once");
   s.rule("bevel", bevel < std::min(width / 2, height),
-         "must be smaller than half the width and than the height");
-  s.rule("spacing", count < 2 || spacing > width, "must be larger than the width");
+         fmt::format("must be smaller than half the width ({:g} m) and than the height ({:g} m)",
+                     width / 2, height));
+  s.rule("spacing", count < 2 || spacing > width,
+         fmt::format("must be larger than the width ({:g} m)", width));
 }
 
 // Each kind of load uses some of these; the brackets state which.

@@ -272,7 +272,9 @@ std::string RigidSleepers::trouble() const {
     const Body& body = impl_->bodies[i];
     if (!body.displacement.allFinite() || !body.attitude.coeffs().allFinite())
       return fmt::format(
-          "position of sleeper {} is not a number; use a smaller time.step or dem.safety", i);
+          "the position or rotation of the sleeper placed at x = {:g} m is not a number; use a "
+          "smaller time.step or dem.safety",
+          x(i));
   }
   return "";
 }

@@ -272,8 +272,8 @@ void declare_unused(const V& given, const V& whole, input::Section& s) {
   const bool own = given.like.empty();
   const input::About about{.severity = own ? input::Severity::warning : input::Severity::problem};
   s.rule("kind", own || given.kind == VehicleKind::of_like || given.kind == whole.kind,
-         fmt::format("must be the kind of the library vehicle named by `like` ({}); omit it",
-                     given.like));
+         fmt::format("must be \"{}\", that of the library vehicle {} (`like`); leave it out",
+                     vehicle_kinds()[static_cast<std::size_t>(whole.kind)], given.like));
   const VehicleLayout layout = layout_of(whole.kind);
   for (const Usage& one : usages)
     s.rule(one.name, given.*one.number == 0 || one.by(layout),

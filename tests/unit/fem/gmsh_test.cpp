@@ -192,10 +192,11 @@ TEST(Gmsh, LinearTetrahedraAreRefused) {
       "5 1 1 -1\n$EndNodes\n$Elements\n3\n1 2 2 1 1 1 2 3\n2 4 2 1 1 1 3 2 4\n3 4 2 1 1 2 3 5 4\n"
       "$EndElements\n";
   const std::string found = problems(linear);
-  EXPECT_NE(found.find("box.msh:14: element 1 is a 3-node triangle"), found.npos) << found;
-  EXPECT_NE(found.find("box.msh:15: element 2 is a 4-node tetrahedron (the first of 2): linear "
-                       "tetrahedra lock"),
-            found.npos)
+  EXPECT_NE(found.find("box.msh:14: element 1 is of type 3-node triangle"), found.npos) << found;
+  EXPECT_NE(
+      found.find("box.msh:15: element 2 is of type 4-node tetrahedron (the first of 2): linear "
+                 "tetrahedra lock"),
+      found.npos)
       << found;
   EXPECT_EQ(std::count(found.begin(), found.end(), '\n'), 2);
 }

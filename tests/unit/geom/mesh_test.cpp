@@ -189,7 +189,8 @@ TEST(Import, GivesTheReasonOfARefusal) {
   body = letter();
   body.vertices[0].x() = 1e300;
   EXPECT_EQ(reason(obj(body)),
-            "a coordinate is not a number, or is larger than 1000 km; is the length unit right?");
+            "a coordinate is 1e+300 m, which is not a number or larger than 1000 km; is the length "
+            "unit right?");
   EXPECT_NE(reason(""), "accepted");
   EXPECT_NE(reason("solid body\n", MeshFormat::stl), "accepted");
   const std::string whole = binary_stl(letter());

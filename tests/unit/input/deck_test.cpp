@@ -153,7 +153,7 @@ TEST(Deck, ReportsWhatIsWrongOnTheCommandLine) {
                 "command line: layer.clay.young: the list has no element clay; its elements: sand",
                 "command line: layer.1.young: the list has no element 1; its elements: sand",
                 "command line: \"nonsense\" must have the form key=value",
-                "command line: dem.safety.x: the name before x is a value, not a section",
+                "command line: dem.safety.x: dem.safety is a value, not a section",
                 "command line: \"\" is not the name of a parameter",
                 "command line: dem.safety = \"high\" must be a number",
                 "command line: dem.skn is not a parameter; did you mean dem.skin?",
