@@ -48,7 +48,7 @@ struct Bed {
     particles.add_template(test::brick({0.015, 0.012, 0.009}, 0.0015));
     auto all = test::lattice({4, 4, 4}, 0.045, 1, 2);
     for (auto& p : all) {
-      p.id = 3 * p.id + 5;  // with gaps, as after the removal of stones
+      p.id = 3 * p.id + 5;                         // with gaps, as after the removal of stones
       p.position += Vec3(begin + 0.03, -0.09, 0);  // a place with contacts across the border
       p.velocity.x() += 0.7;
     }
