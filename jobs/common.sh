@@ -5,7 +5,7 @@
 #   part "TEXT" COMMAND...     runs a command and prints its wall time
 #   run_model DECK DIR [--force] [key=value...]   the program on $RANKS ranks (default 2)
 #   still_checkpoint DECK DIR   prints DIR's checkpoint of the last stage before the ground moves
-#   figures DIR [DIR] -o DIR   draws the figures
+#   draw SCRIPT WORD...   a script of postproc/
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -107,6 +107,6 @@ END
   printf '%s\n' "$file"
 }
 
-figures() {
-  PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg "$python" postproc/figures.py "$@"
+draw() {
+  PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg "$python" "postproc/$1" "${@:2}"
 }

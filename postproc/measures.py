@@ -71,7 +71,7 @@ def smoothed(x, values, width):
     return np.array([np.mean(values[np.abs(x - place) <= width / 2 + TINY]) for place in x])
 
 
-def _turn(results, edge):
+def direction(results, edge):
     """+1 or -1: the direction away from the structure. The soft side is the longer one, so that the
     structure may be at either end."""
     distance = results.ground_x - edge
@@ -88,13 +88,13 @@ def wedge_length(results):
     outlines = [np.reshape(block["outline"], (-1, 2))[:, 0]
                 for block in results.deck.get("ground", {}).get("block", [])
                 if block["name"] != "structure"]
-    turn = _turn(results, edge)
+    turn = direction(results, edge)
     return float(max([0.0] + [np.max(turn * (x - edge)) for x in outlines]))
 
 
 def _orderly(results, edge):
     """Distance from the edge into the soft ground, m, with displacement and compression."""
-    distance = _turn(results, edge) * (results.ground_x - edge)
+    distance = direction(results, edge) * (results.ground_x - edge)
     order = np.argsort(distance)
     down = -results.ground_envelope["displacement_min"].values
     compression = -results.ground_envelope["sigma_z_min"].values
@@ -171,7 +171,7 @@ def transition(results, wedge=0.0):
     return Transition(
         edge=edge, structure_displacement=start, far_displacement=end,
         width=_width(distance, smooth, start, end),
-        steepest=steepest, steepest_x=edge + _turn(results, edge) * where, edge_slope=at_edge,
+        steepest=steepest, steepest_x=edge + direction(results, edge) * where, edge_slope=at_edge,
         stress_structure=float(np.mean(compression[before])),
         stress_beyond=float(np.mean(compression[behind])),
         sleeper_displacement=float(np.max(-sleeper.values)) if sleeper else NOWHERE,

@@ -272,6 +272,15 @@ def fields(folder, stage, part):
     return dict(sorted(numbered.items()))
 
 
+def series(folder, part):
+    """(time, s, file) of each field file of a part over the whole run, in order of time."""
+    path = pathlib.Path(folder) / "fields" / f"{part}.vtkhdf.series"
+    if not path.is_file():
+        return []
+    files = json.loads(path.read_text(encoding="utf-8"))["files"]
+    return [(float(file["time"]), path.parent / file["name"]) for file in files]
+
+
 def main():
     if len(sys.argv) != 2:
         raise Unreadable("usage: read.py FILE")

@@ -38,6 +38,7 @@ bool starts_like_a_number(const std::string& text) {
 // message then states the unit, and the value in it.
 std::string number_hint(const Node& node, const Limits& limits) {
   if (node.kind != Kind::text || !starts_like_a_number(node.text)) return "";
+  if (node.text.starts_with('.')) return "; write a digit before the point: 0" + node.text;
   if (limits.unit == "-") return "; give a number without quotes";
   const std::optional<double> value = in_unit(node.text, limits.unit);
   return fmt::format("; give a number in {}{}", limits.unit,

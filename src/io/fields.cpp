@@ -44,23 +44,12 @@ void write_count(File& file, const std::string& name, std::size_t count, const c
   file.write<std::int64_t>(at(name), std::span(&value, 1), 1, {"-", meaning});
 }
 
-// Units are part of the name, at its end in brackets, since VTK has no place for them.
-std::string unit_in(const std::string& name) {
-  const std::size_t begin = name.rfind('(');
-  const bool has_unit = begin != std::string::npos && name.ends_with(')');
-  return has_unit ? name.substr(begin + 1, name.size() - begin - 2) : "-";
-}
-
 void write_data(File& file, const std::string& group, const std::vector<FieldData>& fields,
                 std::size_t rows) {
   for (const FieldData& field : fields) {
     require(field.values.size() == rows * field.columns,
             "a field has one row for each point or cell of its grid");
-    // A slash would start a group; "velocity (m/s)" is shown with the division slash U+2215.
-    std::string name = field.name;
-    for (std::size_t i; (i = name.find('/')) != std::string::npos;) name.replace(i, 1, "∕");
-    file.write<double>(at(group + "/" + name), field.values, field.columns,
-                       {unit_in(field.name), field.name});
+    file.write<double>(at(group + "/" + field.name), field.values, field.columns, field.label);
   }
 }
 

@@ -1,7 +1,12 @@
 // The contact network and the stones at one instant, as tables for plots and as field files for
 // ParaView.
 // Every rank writes its own stones and contacts, so the order of rows depends on the ranks.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "observe/impl.hpp"
 #include "trackbed/io/fields.hpp"
@@ -46,7 +51,9 @@ Stones stones_of(const dem::Particles& particles) {
 // their pieces.
 io::Grid stone_points(const dem::Particles& particles) {
   io::Grid grid;
-  io::FieldData radius{"radius (m)", 1, {}}, velocity{"velocity (m/s)", 3, {}}, id{"stone", 1, {}};
+  io::FieldData radius{"radius", {"m", "of the piece"}, 1, {}},
+      velocity{"velocity", {"m/s", "of the stone"}, 3, {}},
+      id{"stone", {"-", "number of the stone"}, 1, {}};
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const dem::ParticleView stone = particles[i];
     particles.pieces(i, [&](const Vec3& centre, double r) {
@@ -66,8 +73,9 @@ io::Grid stone_points(const dem::Particles& particles) {
 io::Grid contact_lines(const dem::Particles& particles) {
   io::Grid grid;
   grid.kind = io::CellKind::line;
-  io::FieldData force{"force (N)", 3, {}}, size{"force size (N)", 1, {}},
-      overlap{"overlap (m)", 1, {}};
+  io::FieldData force{"force", {"N", "on the first of the two pieces"}, 3, {}},
+      size{"force_size", {"N", "magnitude of the force"}, 1, {}},
+      overlap{"overlap", {"m", "of the two pieces"}, 1, {}};
   particles.contacts([&](const dem::ContactView& contact) {
     const auto first = static_cast<std::int64_t>(grid.points.size());
     grid.points.insert(grid.points.end(), {contact.from, contact.to});
@@ -78,6 +86,26 @@ io::Grid contact_lines(const dem::Particles& particles) {
   });
   grid.cell_data = {std::move(force), std::move(size), std::move(overlap)};
   return grid;
+}
+
+// Enters a file of the series' folder in the list of files and times that ParaView reads. Entries
+// of this time and later ones are those of an earlier run from the same checkpoint. On rank 0;
+// returns a problem or nothing.
+std::string enter_in_series(const std::string& path, const std::string& name, double time) {
+  using Json = nlohmann::ordered_json;
+  Json files = Json::array();
+  if (std::ifstream given(path); given) {
+    const Json old = Json::parse(given, nullptr, false);  // a damaged list begins anew
+    if (old.is_object() && old.contains("files") && old["files"].is_array())
+      for (const Json& file : old["files"])
+        if (file.is_object() && file.value("time", time) < time) files.push_back(file);
+  }
+  files.push_back({{"name", name}, {"time", time}});
+  const std::string part = path + ".part";
+  std::ofstream(part) << Json{{"file-series-version", "1.0"}, {"files", files}}.dump(1) << '\n';
+  std::error_code error;
+  std::filesystem::rename(part, path, error);
+  return error ? path + " cannot be written: " + error.message() : "";
 }
 
 }  // namespace
@@ -115,18 +143,23 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
 
 // Collective. Files are written one by one under their final names: an interruption may leave one
 // incomplete.
-void write_pictures(const par::Comm& comm, const std::string& folder, const std::string& name,
-                    const Scene& scene) {
+void write_pictures(const par::Comm& comm, const FieldFiles& files, const Scene& scene) {
   std::error_code error;
-  if (comm.root()) std::filesystem::create_directories(folder, error);
-  comm.agree(error ? "cannot create " + folder + ": " + error.message() : "");
-  const std::string start = folder + "/" + name;
+  if (comm.root()) std::filesystem::create_directories(files.folder, error);
+  comm.agree(error ? "cannot create " + files.folder + ": " + error.message() : "");
+  const auto write = [&](std::string_view part, const auto& grid) {
+    if (std::find(files.parts.begin(), files.parts.end(), part) == files.parts.end()) return;
+    const std::string name = fmt::format("{}_{}.vtkhdf", files.name, part);
+    io::write_fields(comm, files.folder + "/" + name, grid());
+    const std::string series = fmt::format("{}/{}.vtkhdf.series", files.folder, part);
+    comm.agree(comm.root() ? enter_in_series(series, name, files.time) : "");
+  };
   if (scene.stones) {
-    io::write_fields(comm, start + "_stones.vtkhdf", stone_points(scene.particles));
-    io::write_fields(comm, start + "_contacts.vtkhdf", contact_lines(scene.particles));
+    write("stones", [&] { return stone_points(scene.particles); });
+    write("contacts", [&] { return contact_lines(scene.particles); });
   }
-  if (scene.ground) io::write_fields(comm, start + "_ground.vtkhdf", scene.ground->fields());
-  if (scene.bodies) io::write_fields(comm, start + "_solids.vtkhdf", scene.bodies->fields(comm));
+  if (scene.ground) write("ground", [&] { return scene.ground->fields(); });
+  if (scene.bodies) write("solids", [&] { return scene.bodies->fields(comm); });
 }
 
 }  // namespace trackbed::observe

@@ -224,6 +224,7 @@ KNOBS = {
     "output.history_interval": ("output.history_interval=1e-3", []),
     "output.fields": ("output.fields=true", []),
     "output.fields_interval": ("output.fields_interval=0.01", FIELDS),
+    "output.fields_parts": ('output.fields_parts=["contacts"]', FIELDS),
     "output.ground_extremes": ("output.ground_extremes=true", FIELDS),
     "output.surface_cell": ("output.surface_cell=0.1", []),
     "output.checkpoint_interval": ("output.checkpoint_interval=0.01", []),

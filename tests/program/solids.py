@@ -38,7 +38,7 @@ def stretched(picture):
     """Young's modulus times the strain of the lower face of each sleeper along its axis, over the
     elements at the places: Pa, tension positive, sleeper by sleeper."""
     shown = {name.split("/", 1)[1]: rows for name, rows in datasets(picture).items()}
-    points, moved = shown["Points"], shown["PointData/displacement (m)"]
+    points, moved = shown["Points"], shown["PointData/displacement"]
     cells, body = shown["Connectivity"].reshape(-1, 8), shown["CellData/body"].ravel()
     found = []
     for sleeper in (0, 1):

@@ -19,7 +19,7 @@ import tomllib
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program  # noqa: E402
 
-DECKS = ["track/plain.toml", "quickstart.toml", "ground/strip.toml", "bed/triaxial.toml",
+DECKS = ["track/plain.toml", "shi/short.toml", "ground/strip.toml", "bed/triaxial.toml",
          "track/two_rails_on_ground.toml", "demfem/solids.toml"]
 VALUES = ["1e300", "-1e300", "1e-300", "1e25"]
 # Signs of internal errors of the program; none of these words occurs in a deck.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "trackbed/core/types.hpp"
+#include "trackbed/io/file.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::io {
@@ -20,9 +21,11 @@ enum class CellKind : std::uint8_t {
   quadratic_tetrahedron = 24
 };
 
+// Names can be typed in calculators and scripts: letters, digits and underscores.
 struct FieldData {
-  std::string name;            // "velocity (m/s)"
-  std::size_t columns;         // 1, 3, 6 or 9
+  std::string name;            // "velocity"
+  Label label;                 // unit and meaning, attributes of the dataset
+  std::size_t columns = 1;     // 1, 3, 6 or 9
   std::vector<double> values;  // rows x columns
 };
 

@@ -86,8 +86,10 @@ struct RunOutput {
 
 // Of a run in stages.
 struct Output : RunOutput {
-  bool fields = false;           // write fields for ParaView at the end of each stage
-  double fields_interval = 0;    // s between them within a stage; 0: only at its end
+  bool fields = false;         // write fields for ParaView at the end of each stage
+  double fields_interval = 0;  // s between them within a stage; 0: only at its end
+  // Of observe/field_parts.hpp.
+  std::vector<std::string> fields_parts = {"stones", "contacts", "ground", "solids"};
   bool ground_extremes = false;  // keep extremes of the ground's stress over each stage
   double surface_cell = 0.05;    // m, of the heights of the bed at the end of each stage
   void declare(input::Section& s);

@@ -150,8 +150,15 @@ class Results {
   std::unique_ptr<Impl> impl_;
 };
 
-// Writes field files <name>_{stones,ground,contacts,solids}.vtkhdf into `folder`. Collective.
-void write_pictures(const par::Comm& comm, const std::string& folder, const std::string& name,
-                    const Scene& scene);
+// Where and when fields are written, and which (field_parts.hpp).
+struct FieldFiles {
+  std::string folder, name;
+  double time = 0;  // s, of the run
+  std::span<const std::string> parts;
+};
+
+// Writes <name>_<part>.vtkhdf for each part that the model has, and enters the file with its time
+// into <part>.vtkhdf.series, which ParaView opens as one series. Collective.
+void write_pictures(const par::Comm& comm, const FieldFiles& files, const Scene& scene);
 
 }  // namespace trackbed::observe

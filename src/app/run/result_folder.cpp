@@ -48,7 +48,7 @@ bool is_result(std::string_view name) {
 bool is_picture(std::string_view name) {
   for (const std::string_view part :
        {"_stones.vtkhdf", "_contacts.vtkhdf", "_ground.vtkhdf", "_solids.vtkhdf"})
-    if (name.ends_with(part)) return true;
+    if (name.ends_with(part) || name == fmt::format("{}.series", part.substr(1))) return true;
   return false;
 }
 

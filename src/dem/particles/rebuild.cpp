@@ -105,7 +105,8 @@ void Particles::Impl::migrate(std::vector<History>& history) {
       report(
           fmt::format("particle {} left the domain at ({:.6g}, {:.6g}, {:.6g}) m; the domain "
                       "reaches from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) m; use a smaller "
-                      "time.step or dem.safety, or lower speeds",
+                      "time.step or dem.safety, or lower speeds, or in a deck of placed stones a "
+                      "larger domain (domain.low, domain.high)",
                       state.id[b], at.x(), at.y(), at.z(), domain.low.x(), domain.low.y(),
                       domain.low.z(), domain.high.x(), domain.high.y(), domain.high.z()));
     const int owner = at.allFinite() ? grid.owner_at(at) : comm.rank();

@@ -47,9 +47,11 @@ void Bodies::archive(io::Archive& a) {
 io::Grid Bodies::fields(const par::Comm& comm) const {
   io::Grid grid;
   grid.kind = io::CellKind::hexahedron;
-  io::FieldData displacement{"displacement (m)", 3, {}}, velocity{"velocity (m/s)", 3, {}};
-  io::FieldData stress{"stress, xx yy zz xy yz zx (Pa)", 6, {}}, number{"body", 1, {}};
-  io::FieldData principals{"principal stresses, largest first (Pa)", 3, {}};
+  io::FieldData displacement{"displacement", {"m", "of each node"}, 3, {}},
+      velocity{"velocity", {"m/s", "of each node"}, 3, {}};
+  io::FieldData stress{"stress", {"Pa", "xx yy zz xy yz zx"}, 6, {}},
+      number{"body", {"-", "number of the body"}, 1, {}};
+  io::FieldData principals{"principal_stress", {"Pa", "largest first"}, 3, {}};
   const std::size_t bodies = comm.root() ? impl_->meshes.size() : 0;
   for (std::size_t b = 0; b < bodies; ++b) {
     const BodyMesh& mesh = impl_->meshes[b];

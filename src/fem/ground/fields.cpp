@@ -2,6 +2,7 @@
 //
 // Stress since settling and static stress are separate, so that a reader can add them; quantities
 // that are not additive (principal stresses, shear, extremes) are of their sum.
+#include <algorithm>
 #include <array>
 
 #include "fem/ground/impl.hpp"
@@ -17,8 +18,9 @@ void add_points(const auto& impl, const Nodal& velocity_everywhere,
                 const Nodal& acceleration_everywhere, io::Grid& grid) {
   const Mesh& mesh = impl.mesh;
   const Lattice& lattice = mesh.lattice;
-  io::FieldData displacement{"displacement (m)", 3, {}}, velocity{"velocity (m/s)", 3, {}},
-      acceleration{"acceleration (m/s^2)", 3, {}};
+  io::FieldData displacement{"displacement", {"m", "of each node"}, 3, {}},
+      velocity{"velocity", {"m/s", "of each node"}, 3, {}},
+      acceleration{"acceleration", {"m/s2", "of each node"}, 3, {}};
   const std::size_t faces = lattice.plane ? 2 : 1;  // a plane node is on both faces
   for (std::size_t n = 0; n < mesh.nodes(); ++n)
     for (std::size_t face = 0; face < faces; ++face) {
@@ -58,7 +60,8 @@ void put(io::FieldData& field, const Numbers& numbers) {
 
 // The fields do not depend on whether an element of this rank has yielded: every rank has the same.
 void add_plastic(const auto& impl, io::Grid& grid) {
-  io::FieldData strain{"equivalent plastic strain", 1, {}}, work{"plastic work (J)", 1, {}};
+  io::FieldData strain{"plastic_strain", {"-", "equivalent plastic strain"}, 1, {}},
+      work{"plastic_work", {"J", "of the element"}, 1, {}};
   for (std::size_t z = 0; z < impl.mesh.element.size(); ++z) {
     if (!impl.mesh.writes(z)) continue;
     strain.values.push_back(impl.plasticity->equivalent_strain(z));
@@ -70,8 +73,11 @@ void add_plastic(const auto& impl, io::Grid& grid) {
 
 void add_extremes(const auto& impl, io::Grid& grid) {
   for (std::size_t q = 0; q < Extremes::count; ++q) {
+    const Extremes::Quantity& quantity = Extremes::quantities()[q];
+    std::string name = std::string("extreme_") + quantity.name;
+    std::replace(name.begin(), name.end(), ' ', '_');
     io::FieldData field{
-        std::string("up to now: ") + Extremes::quantities()[q].name + " (Pa)", 1, {}};
+        name, {"Pa", std::string(quantity.name) + " in the stage up to now"}, 1, {}};
     for (std::size_t z = 0; z < impl.mesh.element.size(); ++z)
       if (impl.mesh.writes(z))
         field.values.push_back(impl.extremes->values[z * Extremes::count + q]);
@@ -107,11 +113,15 @@ io::Grid Ground::fields() const {
   impl_->mesh.exchange(velocity);
   impl_->mesh.exchange(acceleration);
   add_points(*impl_, velocity, acceleration, grid);
-  io::FieldData stress{"stress relative to static equilibrium, xx yy zz xy yz zx (Pa)", 6, {}};
-  io::FieldData static_stress{"stress in static equilibrium, xx yy zz xy yz zx (Pa)", 6, {}},
-      solid{"solid", 1, {}};
-  io::FieldData principals{"principal stresses, total, largest first (Pa)", 3, {}};
-  io::FieldData shear{"largest shear stress, total (Pa)", 1, {}};
+  io::FieldData stress{
+      "stress_change", {"Pa", "xx yy zz xy yz zx, since the static equilibrium"}, 6, {}};
+  io::FieldData static_stress{
+      "stress_static", {"Pa", "xx yy zz xy yz zx, in static equilibrium"}, 6, {}},
+      solid{"solid", {"-", "number of the solid"}, 1, {}};
+  io::FieldData principals{
+      "principal_stress", {"Pa", "of the sum of both stresses, largest first"}, 3, {}};
+  io::FieldData shear{
+      "largest_shear_stress", {"Pa", "half the difference of principal stresses"}, 1, {}};
   for (std::size_t z = 0; z < mesh.element.size(); ++z) {
     if (!mesh.writes(z)) continue;
     add_cell(mesh, z, grid);

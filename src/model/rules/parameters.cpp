@@ -7,6 +7,7 @@
 #include "trackbed/model/parameters.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -14,6 +15,7 @@
 #include "model/rules/limits.hpp"
 #include "model/rules/placed_rules.hpp"
 #include "model/rules/rules.hpp"
+#include "trackbed/observe/field_parts.hpp"
 
 namespace trackbed::model {
 
@@ -214,6 +216,19 @@ void Output::declare(input::Section& s) {
       "Simulated time between fields within a stage; 0: only at its end. Needs fields = true.");
   s.rule("fields_interval", fields_interval == 0 || fields, "has no effect without fields = true",
          {.severity = input::Severity::warning, .reads = {"fields", "fields_interval"}});
+  s.texts(
+      "fields_parts", fields_parts,
+      "Parts of the model whose fields are written: any of stones, contacts, ground and solids. "
+      "Needs fields = true.");
+  const auto known = [](const std::string& part) {
+    return std::find(observe::field_parts.begin(), observe::field_parts.end(), part) !=
+           observe::field_parts.end();
+  };
+  s.rule("fields_parts", std::all_of(fields_parts.begin(), fields_parts.end(), known),
+         fmt::format("may contain only {}", fmt::join(observe::field_parts, ", ")));
+  s.rule("fields_parts", fields || fields_parts == Output{}.fields_parts,
+         "has no effect without fields = true",
+         {.severity = input::Severity::warning, .reads = {"fields", "fields_parts"}});
   s.flag("ground_extremes", ground_extremes,
          "Whether the ground's fields include running extremes of the element stresses, updated at "
          "each history row and field file while the ground moves. If a resume within a stage "

@@ -35,9 +35,13 @@ void StagedScheme::record() {
 }
 
 void StagedScheme::write_fields() {
-  observe::write_pictures(comm_, run_.folder + "/fields",
-                          fmt::format("{}_{:06d}", present().name, run_.course.clock.window()),
-                          world_.scene());
+  observe::write_pictures(
+      comm_,
+      {.folder = run_.folder + "/fields",
+       .name = fmt::format("{}_{:06d}", present().name, run_.course.clock.window()),
+       .time = run_.course.clock.time(),
+       .parts = model_.output.fields_parts},
+      world_.scene());
 }
 
 // A fixed ground has no extremes.

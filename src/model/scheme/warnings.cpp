@@ -11,7 +11,7 @@ namespace trackbed::model {
 
 namespace {
 
-constexpr double bed_tolerance = 0.1;  // of the height: beds of one kind differ by 5 % (quickstart)
+constexpr double bed_tolerance = 0.1;  // of the height: beds of one kind differ by 5 %
 constexpr double far_sunk = 0.1;       // m: a third of the height of a usual bed
 constexpr double fast = 3;             // m/s: as after a fall of half a metre
 

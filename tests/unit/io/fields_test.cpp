@@ -16,8 +16,9 @@ std::string name_of(const std::string& kind) {
 Grid cubes(int count) {
   Grid grid;
   grid.kind = CellKind::hexahedron;
-  FieldData height{"height (m)", 1, {}}, speed{"velocity (m/s)", 3, {}};
-  FieldData stress{"stress (Pa)", 6, {}};
+  FieldData height{"height", {"m", "of a point"}, 1, {}},
+      speed{"velocity", {"m/s", "of a point"}, 3, {}};
+  FieldData stress{"stress", {"Pa", "of a cell"}, 6, {}};
   for (int i = 0; i <= count && count > 0; ++i)
     for (int corner = 0; corner < 4; ++corner) {
       const double y = corner == 1 || corner == 2 ? 1 : 0, z = corner >= 2 ? 1 : 0;

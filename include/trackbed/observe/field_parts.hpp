@@ -1,0 +1,12 @@
+// Parts of a model whose fields can be written.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace trackbed::observe {
+
+inline constexpr std::array<std::string_view, 4> field_parts = {"stones", "contacts", "ground",
+                                                                "solids"};
+
+}  // namespace trackbed::observe

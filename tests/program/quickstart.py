@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+"""The decks of the quickstart in a short form, with and without wedge, and their figures and film.
+
+    quickstart.py PROGRAM SOURCE_FOLDER FOLDER
+"""
+import pathlib
+import shutil
+import subprocess
+import sys
+
+from PIL import Image
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+
+# A loose bed, which a light load presses; the train passes at 300 m/s.
+CELL = ["stage.fill.duration=0.2", "stage.compact.duration=0.3", "platen.speed=1",
+        "stage.release.duration=0.01", "stage.rest.duration=0.02"]
+DECK = ["stage.lay.duration=0.005", "stage.sleepers.duration=0.03", "stage.bed_in.duration=0.02",
+        "stage.bed_in.cycles=1", "train.speed=300", "output.fields_interval=0.02"]
+NO_WEDGE = ["ground.block.wedge.present=false", "ground.block.wedge_surface.present=false"]
+STAGES = ["lay", "sleepers", "bed_in", "first_train", "train"]
+
+
+def figures(source, folder, *runs):
+    """What transition.py prints about these runs."""
+    made = folder / "_".join(("figures", *runs))
+    ran = subprocess.run([sys.executable, source / "postproc/transition.py",
+                          *(folder / run for run in runs), "--film", "-o", made],
+                         capture_output=True, text=True, check=False)
+    if ran.returncode or ran.stderr:
+        raise SystemExit(f"transition.py {runs}: {ran.returncode} {ran.stdout}{ran.stderr}")
+    for name in ("model.png", "transition.png", "transition.txt"):
+        if not (made / name).stat().st_size:
+            raise SystemExit(f"{name} is missing or empty")
+    with Image.open(made / "film.gif") as film:
+        if film.n_frames < 3:
+            raise SystemExit(f"the film has {film.n_frames} frames")
+    return (made / "transition.txt").read_text(encoding="utf-8")
+
+
+def main():
+    program, source, folder = Program(sys.argv[1]), *map(pathlib.Path, sys.argv[2:4])
+    shutil.rmtree(folder, ignore_errors=True)
+    inputs = source / "inputs"
+    program.done(1, "run", inputs / "quickstart_cell.toml", *CELL, "-o", folder / "cell")
+    deck = [inputs / "quickstart.toml", f"bed.cell={folder / 'cell'}", *DECK]
+    program.done(1, "run", *deck, "-o", folder / "wedge")
+    stages = [stage["name"] for stage in summary(folder / "wedge")["stages"]]
+    if stages != STAGES:
+        raise SystemExit(f"the deck has the stages {stages}")
+    program.done(1, "run", *deck, *NO_WEDGE, f"start={folder / 'wedge/stage_bed_in.h5'}", "-o",
+                 folder / "no_wedge")
+    both = figures(source, folder, "wedge", "no_wedge")
+    # Such a bed settles under the trains, so that the plain tracks may differ.
+    if "With the wedge, " not in both and "the plain tracks beyond the wedge differ" not in both:
+        raise SystemExit(f"no verdict on the wedge: {both}")
+    for runs, why in ((("wedge",), "give a second run"),
+                      (("no_wedge", "wedge"), "must have all blocks of the second")):
+        said = figures(source, folder, *runs)
+        if "No verdict: " not in said or why not in said:
+            raise SystemExit(f"{runs}: no reason why there is no verdict: {said}")
+
+
+if __name__ == "__main__":
+    main()
