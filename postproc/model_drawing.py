@@ -117,7 +117,7 @@ class Scene:
             transOffset=self.panel.transData, facecolors=STONE, edgecolors="none", alpha=0.45))
 
     def _draw_track(self):
-        """Returns the height of the rail's top. Sleepers before and behind the bed are on springs."""
+        """Returns the height of the rail's top. Sleepers outside of the bed are on springs."""
         deck, sleepers = self.run.deck, self.run.deck["sleepers"]
         placed = [stage for stage in deck["stage"] if stage.get("kind") == "sleepers"]
         low = placed[0]["height"] if placed else 0.3
@@ -149,8 +149,8 @@ class Scene:
         return self.chains
 
     def set_train(self, axles):
-        """Wheels at these x (nan: not on the track), bogies and bodies: a sketch, with the wheels to
-        scale. Every vehicle has the same number of axles."""
+        """Wheels at these x (nan: not on the track), bogies and bodies: a sketch, wheels to scale.
+        Every vehicle has the same number of axles."""
         for part in self.train:
             part.remove()
         self.train = []

@@ -145,9 +145,12 @@ def verdict(trains, changes):
     if abs(now.plain / other.plain - 1) > measures.CLEAR:
         return (f"No verdict: the plain tracks beyond the wedge differ by more than "
                 f"{measures.CLEAR:.0%}.")
-    return (f"With the wedge, {compared(now, other, 'the length over which the level of the rail under the train changes', 'm', 1, 'width')}; "
-            f"{compared(now, other, 'its steepest change', 'mm/m', 1e3, 'steepest')}; "
-            f"{compared(now, other, 'the largest wheel force', 'kN', 1e-3, 'force')}.")
+    return "With the wedge, " + "; ".join(
+        compared(now, other, what, unit, factor, field) for what, unit, factor, field in (
+            ("the length over which the level of the rail under the train changes", "m", 1,
+             "width"),
+            ("its steepest change", "mm/m", 1e3, "steepest"),
+            ("the largest wheel force", "kN", 1e-3, "force"))) + "."
 
 
 def table(trains, changes):
@@ -230,7 +233,7 @@ def draw_model(train, folder):
 def film(trains, folder):
     """Frames of the first run, with the level of the rail of all designs below."""
     first = trains[0]
-    # The upper panel has the shape of its contents, so that both have the same axis along the track.
+    # The upper panel has the shape of its contents, so that both have the same axis along x.
     long, high, left = 11.2, 11.2 * model_drawing.shape_of(first.run), 0.7  # inches
     figure = plt.figure(figsize=(long + 0.9, high + 3.2))
     size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)

@@ -7,8 +7,8 @@ import transition
 
 
 def train(end_of_wedge, plain=-1e-3, force=60e3, wedge_present=True):
-    """A rail that sinks by 0.4 mm on a structure up to x = 3 m and by `plain` beyond `end_of_wedge`,
-    linear between the two; two axles of constant force."""
+    """A rail that sinks by 0.4 mm on a structure up to x = 3 m and by `plain` beyond
+    `end_of_wedge`, linear between the two; two axles of constant force."""
     x = 0.6 * np.arange(1, 23)
     level = np.interp(x, [3.0, end_of_wedge], [-0.4e-3, plain])
     outline = [3.0, 0.0, 7.2, 0.0, 7.2, -0.6, 3.0, -0.6]

@@ -57,9 +57,9 @@ def main():
         raise SystemExit(f"no verdict on the wedge: {both}")
     for runs, why in ((("wedge",), "give a second run"),
                       (("no_wedge", "wedge"), "must have all blocks of the second")):
-        said = figures(source, folder, *runs)
-        if "No verdict: " not in said or why not in said:
-            raise SystemExit(f"{runs}: no reason why there is no verdict: {said}")
+        text = figures(source, folder, *runs)
+        if "No verdict: " not in text or why not in text:
+            raise SystemExit(f"{runs}: no reason why there is no verdict: {text}")
 
 
 if __name__ == "__main__":

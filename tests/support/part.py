@@ -1,5 +1,5 @@
 """The part of a test's cases that its short form runs: every nth, n being TRACKBED_EVERY (1: all),
-from TRACKBED_FIRST (0) on. The long tier runs all of them (`trackbed_sweep` in cmake/Modules.cmake)."""
+from TRACKBED_FIRST (0) on. The long tier runs all (`trackbed_sweep` in cmake/Modules.cmake)."""
 import os
 
 
