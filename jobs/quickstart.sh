@@ -20,4 +20,4 @@ part "Figures" draw transition.py $results/wedge $results/no_wedge --film \
 printf '\nDone in %d s. Figures and film:\n' $SECONDS
 printf '  %s\n' "$PWD"/$results/figures/{model,transition}.png "$PWD/$results/figures/film.gif"
 echo "Table: $PWD/$results/figures/transition.txt"
-echo "Results: $PWD/$results/{wedge,no_wedge}/results.h5; contact forces for ParaView in fields/ there"
+echo "Results: $PWD/$results/{wedge,no_wedge}/results.h5; for ParaView: fields/ there"

@@ -95,7 +95,7 @@ std::string enter_in_series(const std::string& path, const std::string& name, do
   using Json = nlohmann::ordered_json;
   Json files = Json::array();
   if (std::ifstream given(path); given) {
-    const Json old = Json::parse(given, nullptr, false);  // a damaged list begins anew
+    const Json old = Json::parse(given, nullptr, false);  // a damaged list is replaced
     if (old.is_object() && old.contains("files") && old["files"].is_array())
       for (const Json& file : old["files"])
         if (file.is_object() && file.value("time", time) < time) files.push_back(file);

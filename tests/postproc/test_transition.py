@@ -25,7 +25,7 @@ def train(end_of_wedge, plain=-1e-3, force=60e3, wedge_present=True):
     return transition.Train(run, passing)
 
 
-def said(*trains):
+def stated(*trains):
     wedge = max(transition.measures.wedge_length(one.run) for one in trains)
     return transition.verdict(trains, [transition.change_of(one, wedge) for one in trains])
 
@@ -40,22 +40,22 @@ def test_levels_and_length():
 
 
 def test_verdict_names_what_changes_clearly():
-    text = said(train(6.0), train(3.6, wedge_present=False))
+    text = stated(train(6.0), train(3.6, wedge_present=False))
     assert "train changes is 2.7 instead of 0.54 m (+400%)" in text
     assert "its steepest change is 0.2 instead of 1 mm/m (-80%)" in text
     assert "the largest wheel force does not change clearly (60 instead of 60 kN)" in text
 
 
 def test_no_verdict():
-    assert "differ by more than 10%" in said(train(6.0), train(3.6, -1.2e-3, wedge_present=False))
-    assert "must have all blocks" in said(train(6.0), train(3.6))
-    assert "give a second run" in said(train(6.0))
+    assert "differ by more than 10%" in stated(train(6.0), train(3.6, -1.2e-3, wedge_present=False))
+    assert "must have all blocks" in stated(train(6.0), train(3.6))
+    assert "give a second run" in stated(train(6.0))
     without = train(6.0)
     without.run.deck["ground"]["block"][0]["name"] = "bridge"
     assert transition.change_of(without, 4.2) is None
     other = train(3.6, wedge_present=False)
     other.run.deck["ground"]["block"][0]["name"] = "bridge"
-    assert "no structure" in said(without, other)
+    assert "no structure" in stated(without, other)
 
 
 def test_force_is_nan_where_no_wheel_was():

@@ -13,7 +13,7 @@ from PIL import Image
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
 
-# A loose bed, which a light load presses; the train passes at 300 m/s.
+# A loose bed, hardly bedded in; the train passes at 300 m/s.
 CELL = ["stage.fill.duration=0.2", "stage.compact.duration=0.3", "platen.speed=1",
         "stage.release.duration=0.01", "stage.rest.duration=0.02"]
 DECK = ["stage.lay.duration=0.005", "stage.sleepers.duration=0.03", "stage.bed_in.duration=0.02",

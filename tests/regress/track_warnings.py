@@ -322,7 +322,8 @@ def check_files(program, decks, folder):
     table = folder / "profile.csv"
     words = ["irregularity.kind=file", f"irregularity.file={table.resolve()}",
              "passage.duration=0.01"]
-    for rows, sentences in (("0,0\n30,0.4\n60,0\n", ["are up to 0.4 m; are they"]),
+    for rows, sentences in (("0,0\n30,0.4\n60,0\n",
+                             ["are up to 0.4 m (usual: at most 0.1 m); are they"]),
                             ("0,0\n30,-1e-3\n", ["has rows from 0 to 30 m, but the track"]),
                             ("20,0\n60,-1e-3\n", ["has rows from 20 to 60 m"]),
                             ("0,0\n60,-1e-3\n", [])):

@@ -31,8 +31,8 @@ TEST_P(Fields, PrincipalStressesOfAColumn) {
   Ground ground(Comm::world(), p, GetParam(), 1.0);
   ground.settle(pressure(ground, 5e3));
   const io::Grid grid = ground.fields();
-  const auto& principals = field(grid, "principal stresses");
-  const auto& shear = field(grid, "largest shear stress");
+  const auto& principals = field(grid, "principal_stress");
+  const auto& shear = field(grid, "largest_shear_stress");
   const double k0 = 0.3 / 0.7;
   for (std::size_t c = 0; c < grid.cells.size() / 8; ++c) {
     double z = 0;
@@ -44,8 +44,8 @@ TEST_P(Fields, PrincipalStressesOfAColumn) {
     EXPECT_NEAR(principals.values[3 * c + 2], vertical, 2);
     EXPECT_NEAR(shear.values[c], -0.5 * (1 - k0) * vertical, 2);
   }
-  EXPECT_THROW(field(grid, "up to now"), std::runtime_error);
-  EXPECT_THROW(field(grid, "equivalent plastic strain"), std::runtime_error);
+  EXPECT_THROW(field(grid, "extreme"), std::runtime_error);
+  EXPECT_THROW(field(grid, "plastic_strain"), std::runtime_error);
 }
 
 // Values by element for any distribution to ranks: by the position of its first point.
@@ -95,7 +95,7 @@ TEST_P(Fields, AccelerationAgreesWithTheVelocity) {
     const auto before = ground.fields().point_data;
     ground.advance(h, uneven_load(ground.top(), 1));
     const auto after = ground.fields().point_data;
-    ASSERT_EQ(after[2].name, "acceleration (m/s^2)");
+    ASSERT_EQ(after[2].name, "acceleration");
     double off = 0, most = 0;
     for (std::size_t k = 0; k < after[1].values.size(); ++k) {
       const double kick = h / 2 * (before[2].values[k] + after[2].values[k]);
@@ -125,8 +125,8 @@ TEST_P(Fields, ExtremesAreThoseOfTheInstants) {
     if (w % 3 == 2) continue;  // not every window is taken
     ground.take_extremes();
     for (const auto& [place, row] :
-         by_place(ground.fields(), {"principal stresses", "largest shear stress", "stress relative",
-                                    "stress in static"})) {
+         by_place(ground.fields(),
+                  {"principal_stress", "largest_shear_stress", "stress_change", "stress_static"})) {
       const double vertical = row[4 + 2] + row[10 + 2];
       const std::vector<double> now = {row[0], -row[2], row[3], vertical, -vertical};
       auto& so_far = most.try_emplace(place, now).first->second;
@@ -144,11 +144,10 @@ TEST_P(Fields, ExtremesAreThoseOfTheInstants) {
     const io::File file(world, path, io::Mode::read);
     alone.load(file, "ground");
   }
-  const auto shown = by_place(ground.fields(), {"up to now"});
-  const auto all =
-      by_place(alone.fields(), {"up to now: largest principal", "up to now: least principal",
-                                "up to now: largest shear", "up to now: largest vertical",
-                                "up to now: least vertical"});
+  const auto shown = by_place(ground.fields(), {"extreme"});
+  const auto all = by_place(alone.fields(), {"extreme_largest_principal", "extreme_least_principal",
+                                             "extreme_largest_shear", "extreme_largest_vertical",
+                                             "extreme_least_vertical"});
   for (const auto& [place, row] : most) {
     const auto& found = all.at(place);
     for (std::size_t q = 0; q < row.size(); ++q)
@@ -157,7 +156,7 @@ TEST_P(Fields, ExtremesAreThoseOfTheInstants) {
   }
   EXPECT_GT(world.max(static_cast<std::int64_t>(most.size())), 0);
   alone.begin_extremes();
-  EXPECT_TRUE(std::isnan(by_place(alone.fields(), {"up to now"}).begin()->second[0]));
+  EXPECT_TRUE(std::isnan(by_place(alone.fields(), {"extreme"}).begin()->second[0]));
   alone.end_extremes();
   EXPECT_EQ(alone.fields().cell_data.size(), without);
 }

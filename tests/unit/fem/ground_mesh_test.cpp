@@ -120,7 +120,7 @@ TEST(GroundOfTetrahedra, StressOfWeightIsProportionalToDepth) {
   const io::Grid grid = ground.fields();
   ASSERT_EQ(grid.kind, io::CellKind::quadratic_tetrahedron);
   const auto& rest = grid.cell_data[1];
-  ASSERT_TRUE(rest.name.starts_with("stress in static"));
+  ASSERT_TRUE(rest.name.starts_with("stress_static"));
   const double weight = 2000 * gravity;
   for (std::size_t c = 0; c < grid.cells.size() / 10; ++c) {
     double z = 0;
@@ -148,7 +148,8 @@ TEST(GroundOfTetrahedra, CurvedEdgesOfTheTopGiveAWarning) {
   const std::vector<std::string> reported = warnings(-0.02, "curved_top");
   ASSERT_EQ(reported.size(), 1);
   EXPECT_NE(reported[0].find("1 edges of the top are curved"), std::string::npos) << reported[0];
-  EXPECT_NE(reported[0].find("by up to 2 % of its length, at (0.5, -0.02, 0) m"), std::string::npos)
+  EXPECT_NE(reported[0].find("by up to 2 % of the length of the edge, at (0.5, -0.02, 0) m"),
+            std::string::npos)
       << reported[0];
 }
 
