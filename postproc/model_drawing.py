@@ -3,6 +3,7 @@
 import dataclasses
 
 import matplotlib.collections
+import matplotlib.lines
 import matplotlib.patches
 import numpy as np
 
@@ -16,10 +17,10 @@ SHADES = {"structure": ("0.35", 0.30), "wedge": ("tab:green", 0.13)}
 STONE = "#8c8c8c"
 SLEEPER = "#5b4636"
 FORCE = "#c1121f"
-RAIL_HEIGHT, WHEEL_RADIUS, AXLE_GAP = 0.172, 0.46, 4.0  # m; axles closer than the last are a bogie
-CHAIN_WIDTH = 5.0                                       # points, line of the largest force
-BEYOND = 2.5                                            # m, shown before and behind the bed
-ABOVE, BELOW = 5.2, 0.2                                 # m, above the ground's top, below its base
+RAIL_HEIGHT, AXLE_GAP = 0.172, 4.0  # m; axles that are closer than the last form a bogie
+CHAIN_WIDTH = 6.0                   # points, line of the largest force
+BEYOND = 2.5                        # m, shown before and behind the bed
+CUT, BELOW = 2.6, 0.2               # m, shown above the ground's top and below its base
 
 
 @dataclasses.dataclass(frozen=True)
@@ -37,10 +38,12 @@ def contacts(file):
 
 
 def heading(run):
-    """What runs over what."""
+    """What runs over what, and that a plane model has no load spread across the track."""
     train = run.deck.get("train", {})
     vehicles = ", ".join(train.get("vehicles", [])) or "no vehicle"
-    return f"{run.deck.get('title', run.name)} ({vehicles}, {3.6 * train.get('speed', 0):.0f} km/h)"
+    return (f"{run.deck.get('title', run.name)} ({vehicles}, "
+            f"{3.6 * train.get('speed', 0):.0f} km/h; plane model, "
+            f"{run.deck.get('thickness', 0):g} m thick)")
 
 
 def stamp(figure, run):
@@ -49,13 +52,25 @@ def stamp(figure, run):
 
 
 def shade_blocks(panel, run, names):
-    """Shades the blocks of the ground over x."""
-    for number, (name, (low, high)) in enumerate(measures.blocks(run).items()):
-        colour, alpha = SHADES["structure" if name == "structure" else "wedge"]
+    """Shades the structure and the stretch of all other blocks of the ground over x."""
+    found = measures.blocks(run)
+    others = [ends for name, ends in found.items() if name != "structure"]
+    spans = {"structure": found["structure"]} if "structure" in found else {}
+    if others:
+        spans["wedge"] = (min(low for low, _ in others), max(high for _, high in others))
+    for name, (low, high) in spans.items():
+        colour, alpha = SHADES[name]
         panel.axvspan(low, high, lw=0, zorder=0, color=colour, alpha=alpha)
         if names:
-            panel.text(low, 0.03 + 0.06 * number, f" {name}", fontsize=8,
-                       transform=panel.get_xaxis_transform(), va="bottom")
+            words = "structure" if name == "structure" else "wedge (in the first run)"
+            panel.text((low + high) / 2, 0.03, words, fontsize=9, ha="center", va="bottom",
+                       transform=panel.get_xaxis_transform())
+
+
+def ends_of(run):
+    """x of both ends of a drawing, m."""
+    low, high = (float(value) for value in run.deck["bed"]["x"])
+    return low - BEYOND, high + BEYOND
 
 
 def depth_of(run):
@@ -63,30 +78,45 @@ def depth_of(run):
     return sum(layer["thickness"] for layer in run.deck.get("ground", {}).get("layer", []))
 
 
-def shape_of(run):
-    """Height over length of a Scene."""
-    low, high = run.deck["bed"]["x"]
-    return (ABOVE + BELOW + depth_of(run)) / (high - low + 2 * BEYOND)
+def shape_of(run, top):
+    """Height over length of a Scene up to z = `top`."""
+    low, high = ends_of(run)
+    return (top + BELOW + depth_of(run)) / (high - low)
+
+
+def underside(run):
+    """z of the undersides of the sleepers when they were placed, m."""
+    placed = [stage for stage in run.deck.get("stage", []) if stage.get("kind") == "sleepers"]
+    return placed[0]["height"] if placed else 0.3
+
+
+def close_up(run):
+    """Lowest and highest z of a picture of bed, sleepers and rail, m."""
+    return -0.12, underside(run) + run.deck["sleepers"]["height"] + RAIL_HEIGHT + 0.5
+
+
+def modulus(pascal):
+    return f"{pascal / 1e9:g} GPa" if pascal >= 1e9 else f"{pascal / 1e6:g} MPa"
 
 
 class Scene:
     """A panel with the parts that do not move; `set_chains` and `set_train` add the others."""
 
-    def __init__(self, panel, run):
+    def __init__(self, panel, run, top):
         self.panel, self.run, self.chains, self.train = panel, run, None, []
-        low, high = (float(value) for value in run.deck["bed"]["x"])
-        self.ends = low - BEYOND, high + BEYOND
-        self._draw_ground(low, high)
+        self.ends = ends_of(run)
+        self._draw_ground()
         self._draw_stones()
         self.rail = self._draw_track()
         panel.set_aspect("equal")
         panel.set_xlim(*self.ends)
-        panel.set_ylim(-depth_of(run) - BELOW, ABOVE)
+        panel.set_ylim(-depth_of(run) - BELOW, top)
         panel.set_ylabel("z, m")
         panel.set_xlabel("x along the track, m")
 
-    def _draw_ground(self, low, high):
+    def _draw_ground(self):
         ground = self.run.deck.get("ground", {})
+        low, high = ground.get("x", self.run.deck["bed"]["x"])
         z = 0.0
         for number, layer in enumerate(ground.get("layer", [])):
             thick = layer["thickness"]
@@ -94,7 +124,8 @@ class Scene:
                 (low, z - thick), high - low, thick, facecolor=LAYERS[number % len(LAYERS)],
                 edgecolor="0.5", lw=0.5))
             self.panel.text(high - 0.1, z - thick / 2, f"{layer['name']}, "
-                            f"{layer['young'] / 1e6:.0f} MPa", ha="right", va="center", fontsize=8)
+                            f"{modulus(layer['young'])}", ha="right", va="center", fontsize=9,
+                            clip_on=True)
             z -= thick
         for block in ground.get("block", []):
             if not block.get("present", True):
@@ -102,10 +133,15 @@ class Scene:
             outline = np.reshape(block["outline"], (-1, 2))
             style = STRUCTURE if block["name"] == "structure" else WEDGE
             self.panel.add_patch(matplotlib.patches.Polygon(outline, lw=0.7, **style))
-            self.panel.text(*outline.mean(axis=0), f"{block['name'].replace('_', ' ')}\n"
-                            f"{block['young'] / 1e6:.0f} MPa", ha="center", va="center",
-                            fontsize=8, bbox={"facecolor": "white", "alpha": 0.7, "lw": 0,
-                                              "pad": 1})
+            self.panel.text(*outline.mean(axis=0), f"{block['name'].replace('_', ' ')}, "
+                            f"{modulus(block['young'])}", ha="center", va="center", fontsize=9,
+                            clip_on=True, bbox={"facecolor": "white", "alpha": 0.75, "lw": 0,
+                                                "pad": 1})
+        if z < 0:
+            self.panel.text((low + high) / 2, z - 0.02,
+                            f"base {ground.get('base', 'fixed')}, sides "
+                            f"{ground.get('sides', 'free')}", ha="center", va="top", fontsize=7,
+                            clip_on=True)
 
     def _draw_stones(self):
         if not self.run.stones:
@@ -117,60 +153,72 @@ class Scene:
             transOffset=self.panel.transData, facecolors=STONE, edgecolors="none", alpha=0.45))
 
     def _draw_track(self):
-        """Returns the height of the rail's top. Sleepers outside of the bed are on springs."""
+        """Returns the height of the rail's top. White sleepers are on springs, outside of the bed.
+        """
         deck, sleepers = self.run.deck, self.run.deck["sleepers"]
-        placed = [stage for stage in deck["stage"] if stage.get("kind") == "sleepers"]
-        low = placed[0]["height"] if placed else 0.3
+        low = underside(self.run)
         width, height, spacing = sleepers["width"], sleepers["height"], sleepers["spacing"]
         x = self.run.sleepers_x
-        for place in x:
+        begin = x[0] - deck.get("seat", {}).get("before", 0) * spacing
+        end = begin + deck.get("track", {}).get("length", 0)
+        for place in np.arange(begin, end + measures.TINY, spacing):
+            on_bed = x[0] - spacing / 2 < place < x[-1] + spacing / 2
             self.panel.add_patch(matplotlib.patches.Rectangle(
-                (place - width / 2, low), width, height, facecolor=SLEEPER, lw=0, zorder=3))
-        outside = [*np.arange(x[0] - spacing, self.ends[0], -spacing),
-                   *np.arange(x[-1] + spacing, self.ends[1], spacing)]
-        for place in outside:
-            self.panel.add_patch(matplotlib.patches.Rectangle(
-                (place - width / 2, low), width, height, facecolor="white", edgecolor=SLEEPER,
-                lw=1, zorder=3))
-            zigzag = np.linspace(0, low, 8)
-            self.panel.plot(place + 0.06 * np.array([0, 1, -1, 1, -1, 1, -1, 0]), zigzag, lw=0.8,
-                            color="0.3")
-        top = low + height + RAIL_HEIGHT
-        self.panel.plot(self.ends, [top - RAIL_HEIGHT / 2] * 2, color="0.2", lw=2.5, zorder=4)
-        return top
+                (place - width / 2, low), width, height, lw=0 if on_bed else 1,
+                facecolor=SLEEPER if on_bed else "white", edgecolor=SLEEPER, zorder=3))
+            if not on_bed:
+                self.panel.plot(place + 0.06 * np.array([0, 1, -1, 1, -1, 1, -1, 0]),
+                                np.linspace(0, low, 8), lw=0.8, color="0.3")
+                self.panel.plot([place - 0.2, place + 0.2], [0, 0], lw=1.2, color="0.3")
+        self.panel.text(self.ends[0] + 0.1, -0.08, "sleepers\non springs", fontsize=8, va="top",
+                        clip_on=True)
+        bottom = low + height
+        self.panel.add_patch(matplotlib.patches.Rectangle(
+            (max(begin, self.ends[0]), bottom), min(end, self.ends[1]) - max(begin, self.ends[0]),
+            RAIL_HEIGHT, facecolor="0.25", lw=0, zorder=4))
+        return bottom + RAIL_HEIGHT
 
     def set_chains(self, chains, largest):
         """Red lines whose width is proportional to the force."""
         if self.chains is None:
             self.chains = self.panel.add_collection(matplotlib.collections.LineCollection(
-                [], colors=FORCE, capstyle="round", zorder=2, animated=False))
+                [], colors=FORCE, capstyle="round", zorder=2.5))
         self.chains.set_segments(chains.lines)
         self.chains.set_linewidths(CHAIN_WIDTH * chains.force / largest)
         return self.chains
 
+    def explain_chains(self, largest):
+        self.panel.legend(
+            [matplotlib.lines.Line2D([], [], color=FORCE, lw=CHAIN_WIDTH)],
+            [f"contact force, width proportional: {largest / 1e3:.0f} kN on "
+             f"{self.run.deck.get('thickness', 1):g} m"], loc="upper right", fontsize=9)
+
     def set_train(self, axles):
-        """Wheels at these x (nan: not on the track), bogies and bodies: a sketch, wheels to scale.
-        Every vehicle has the same number of axles."""
+        """Wheels at these x (nan: not on the track), and a sketch of bogies and bodies if all
+        vehicles have the same number of axles."""
         for part in self.train:
             part.remove()
         self.train = []
+        axles = np.asarray(axles, float)
         vehicles = max(1, len(self.run.deck.get("train", {}).get("vehicles", [])))
-        z = self.rail + WHEEL_RADIUS
-        for group in np.array_split(np.asarray(axles, float), vehicles):
+        radius = self.run.deck.get("wheel_rail", {}).get("wheel_radius", 0.46)
+        z = self.rail + radius
+        for x in axles[np.isfinite(axles)]:
+            self._add(matplotlib.patches.Circle((x, z), radius, facecolor="0.25", edgecolor="k"))
+        for group in np.split(axles, vehicles) if len(axles) % vehicles == 0 else ():
             there = np.sort(group[np.isfinite(group)])
             if not len(there):
                 continue
-            for x in there:
-                self._add(matplotlib.patches.Circle((x, z), WHEEL_RADIUS, facecolor="0.25",
-                                                    edgecolor="k"))
-            bogies = np.split(there, np.flatnonzero(np.diff(there) > AXLE_GAP) + 1)
-            for bogie in bogies:
+            for bogie in np.split(there, np.flatnonzero(np.diff(there) > AXLE_GAP) + 1):
                 self._add(matplotlib.patches.Rectangle(
-                    (bogie[0] - 0.3, z), bogie[-1] - bogie[0] + 0.6, 0.35, facecolor="0.45"))
+                    (bogie[0] - 0.3, z), bogie[-1] - bogie[0] + 0.6, 0.3, facecolor="0.45"))
             if len(there) == len(group):
                 self._add(matplotlib.patches.Rectangle(
-                    (there[0] - 2, z + 0.5), there[-1] - there[0] + 4, 2.4, facecolor="#dfe7ef",
+                    (there[0] - 2, z + 0.45), there[-1] - there[0] + 4, 2.4, facecolor="#dfe7ef",
                     edgecolor="#2f4b66"))
+                front = self.panel.text(there[-1] + 1.9, z + 0.7, "→", fontsize=18, ha="right",
+                                        va="center", clip_on=True, zorder=6)
+                self.train.append(front)
         return self.train
 
     def _add(self, patch):

@@ -5,10 +5,10 @@
 
 RESULT_DIR holds results.h5 of a run whose last passage has a train, in a plane model. Writes
 model.png (what is modelled, with the contact forces when the stones carry most), transition.png
-(wheel force, level of rail and sleepers, settlement), transition.txt (numbers, and a verdict if the
-runs differ by the wedge), and with --film film.gif (the train over the bed). Contact forces need
-field files within the passage (`output.fields_interval`). Definition of the numbers:
-docs/postproc.md.
+(wheel force, level of rail and sleepers, settlement) with its curves as CSV, transition.txt
+(numbers, and a verdict if the runs differ by the wedge), and with --film film.gif (the train over
+the bed). Contact forces need field files within the passage (`output.fields_interval`). Definition
+of the numbers: docs/postproc.md.
 """
 import argparse
 import dataclasses
@@ -30,26 +30,34 @@ import write  # noqa: E402
 
 # Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
 STYLES = ({"color": "#0b559f", "ls": "-"}, {"color": "#d95f02", "ls": "--"})
-BIN = 0.10           # m, of the largest wheel force along the track
+BIN = 0.1            # m, of the largest wheel force along the track
+ENDS = 3             # sleepers at each end of the bed that are not judged: beside springs
 FRAME_MS = 120       # ms, each picture of the film is shown
+WRAP = 118           # characters of a line below transition.png
+NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two designs may differ
 
 
 @dataclasses.dataclass(frozen=True)
 class Train:
     """The last train of a run and what it does to the track; levels are relative to the first row,
-    upwards, m."""
+    downwards positive, m."""
     run: read.Results
     passing: train_figures.Passing
+    name: str = ""
 
-    def rail_level(self):
-        """Lowest level of the rail above each sleeper, m."""
-        return self.passing.rail.min(axis=0) - self.passing.rail[0]
+    def rail_down(self):
+        """Lowest level of the rail above each sleeper."""
+        return self.passing.rail[0] - self.passing.rail.min(axis=0)
 
-    def sleeper_level(self):
-        return np.nanmin(self.passing.lowest, axis=0)
+    def sleeper_down(self):
+        moved = self.passing.displacement[0] - self.passing.displacement
+        return moved.max(axis=0)
 
     def settlement(self):
-        return -self.passing.left
+        """Of each sleeper into the bed: relative to the ground below it, which still vibrates when
+        the train has left."""
+        below = self.passing.ground
+        return self.passing.displacement[0] - below[0] - self.passing.displacement[-1] + below[-1]
 
     def largest_force(self):
         """x, m, and the largest force of any wheel there, N, along the bed."""
@@ -64,49 +72,140 @@ class Train:
             found[k] = force[known][number == k].max()
         return (edges[:-1] + edges[1:]) / 2, found
 
+    def mean_force(self):
+        """Of a wheel over the bed, N: the static load, since the forces of a passage balance it."""
+        return float(np.nanmean(np.where(self.passing.on_bed()[..., None], self.passing.force,
+                                         np.nan)))
+
+
+class Passing(train_figures.Passing):
+    """With the level of the ground below each sleeper, m, [time, sleeper]."""
+
+    def __init__(self, run, every):
+        super().__init__(run, every)
+        rows = np.searchsorted(run.time, self.time)
+        self.ground = np.zeros_like(self.displacement)
+        if "displacement" in run.ground and len(run.ground_x):
+            level = run.ground["displacement"].values[rows]
+            self.ground = np.array([np.interp(run.sleepers_x, run.ground_x, row) for row in level])
+
+
+def require_whole(run, passing):
+    """The train of the last passage must have left the bed, or no number has a meaning."""
+    last = run.time[run.passage()]
+    if not run.has_passage() or passing.time[0] < last[0]:
+        raise read.Unreadable(f"{run.name}: the run was stopped before the train of its last "
+                              "passage: resume it")
+    gone = passing.x[-1][np.isfinite(passing.x[-1])]
+    if len(gone) and gone.min() < run.sleepers_x[-1]:
+        raise read.Unreadable(f"{run.name}: the last row of the histories, {last[-1]:.4g} s, has "
+                              f"an axle at x = {gone.min():.1f} m, on the bed or before it: resume "
+                              "the run")
+
 
 def train_of(folder):
     run = read.results(folder)
     if run.deck.get("dimension") != "plane":
         raise read.Unreadable(f"{run.name}: transition.py draws plane models only; use "
                               "train_figures.py")
-    return Train(run, train_figures.Passing(run, read.datasets(folder)))
+    if len(run.sleepers_x) <= 2 * ENDS:
+        raise read.Unreadable(f"{run.name} has {len(run.sleepers_x)} sleepers: transition.py needs "
+                              f"more than {2 * ENDS}, since it does not judge those at the ends")
+    passing = Passing(run, read.datasets(folder))
+    require_whole(run, passing)
+    return Train(run, passing, run.name)
+
+
+def named(trains):
+    """With names for legends and files: what the design is, or the folder."""
+    if len(trains) == 2 and measures.differ_by_wedge(*(train.run for train in trains)):
+        names = ("with wedge", "without wedge")
+    else:
+        names = [train.run.name for train in trains]
+        if len(set(names)) < len(names):
+            names = [f"{name} {number + 1}" for number, name in enumerate(names)]
+    return [dataclasses.replace(train, name=name) for train, name in zip(trains, names)]
+
+
+@dataclasses.dataclass(frozen=True)
+class Zone:
+    """Which sleepers are judged, [sleeper]: on the structure, between its edge and one spacing
+    behind the wedge, and on plain track beyond; `distance`, m, from the edge into the soft ground.
+    """
+    distance: np.ndarray
+    structure: np.ndarray
+    transition: np.ndarray
+    plain: np.ndarray
+
+
+def zone_of(run, wedge):
+    """The Zone of a run; `wedge`: length of the longer wedge of the runs, m. None without a
+    structure, or without sleepers in one of its parts."""
+    edge = measures.edge_of_structure(run)
+    if edge is None:
+        return None
+    x, spacing = run.sleepers_x, measures.spacing(run)
+    distance = measures.direction(run, edge) * (x - edge)
+    low, high = measures.blocks(run)["structure"]
+    judged = np.arange(len(x))
+    judged = (judged >= ENDS) & (judged < len(x) - ENDS)
+    tiny = measures.TINY
+    found = Zone(distance,
+                 judged & (x >= low - tiny) & (x <= high + tiny) & (distance <= -spacing + tiny),
+                 (distance >= -tiny) & (distance <= wedge + spacing + tiny),
+                 judged & (distance >= wedge + 2 * spacing - tiny))
+    parts = (found.structure, found.transition, found.plain)
+    return found if all(np.count_nonzero(part) > 1 for part in parts) else None
 
 
 @dataclasses.dataclass(frozen=True)
 class Change:
-    """How the level of the rail under a train changes from the structure to the plain track."""
-    structure: float  # m, lowest level of the rail on the structure, mean of its sleepers
-    plain: float      # m, the same beyond the wedge, median; nan without plain track
-    width: float      # m, from the edge to measures.REACHED of the change; nan without
-    steepest: float   # m/m, between neighbouring sleepers
-    force: float      # N, largest wheel force over the bed
+    """How the lowest level of the rail changes from the structure to plain track."""
+    structure: float  # m, mean of the sleepers on the structure
+    plain: float      # m, median of the sleepers on plain track
+    width: float      # m, from the edge to measures.REACHED of the change
+    steepest: float   # m/m, between neighbouring sleepers of the transition
+    scatter: float    # m/m, largest between neighbouring sleepers on plain track
+    force: float      # N, largest wheel force in the transition
+    force_x: float    # m, where
 
 
-def change_of(train, wedge):
-    """`wedge`: length of the longer wedge of the runs, m. None without a structure."""
-    edge = measures.edge_of_structure(train.run)
-    if edge is None:
+def steps_within(level, distance, part):
+    """Changes of level per metre between neighbouring sleepers that are both in the part."""
+    both = part[1:] & part[:-1]
+    return np.abs(np.diff(level) / np.diff(distance))[both]
+
+
+def changes_of(trains):
+    """A Change of each train, or None if a run has no such zone. Plain track is the same in all
+    designs: its level, from which the width follows, is the mean over them."""
+    wedge = max(measures.wedge_length(train.run) for train in trains)
+    zones = [zone_of(train.run, wedge) for train in trains]
+    if None in zones:
         return None
-    x, level = train.run.sleepers_x, train.rail_level()
-    turn = measures.direction(train.run, edge)
-    order = np.argsort(turn * (x - edge))
-    distance, level = (turn * (x - edge))[order], level[order]
-    spacing = measures.spacing(train.run)
-    beyond = distance >= wedge + spacing - measures.TINY
-    before = distance <= measures.TINY
-    if not before.any():
-        return None
-    structure = float(np.mean(level[before]))
-    plain = float(np.median(level[beyond])) if np.count_nonzero(beyond) > 1 else measures.NOWHERE
-    return Change(structure, plain, width_of(distance, level, structure, plain),
-                  float(np.abs(np.diff(level) / np.diff(distance)).max()),
-                  float(np.nanmax(train.largest_force()[1])))
+    plains = [float(np.median(train.rail_down()[zone.plain]))
+              for train, zone in zip(trains, zones)]
+    found = []
+    for train, zone, plain in zip(trains, zones, plains):
+        level = train.rail_down()
+        structure = float(np.mean(level[zone.structure]))
+        x, force = train.largest_force()
+        low, high = train.run.sleepers_x[zone.transition][[0, -1]]
+        force = np.where((x >= low) & (x <= high), force, np.nan)
+        most = int(np.nanargmax(force))
+        found.append(Change(
+            structure, plain, width_of(zone.distance, level, structure, np.mean(plains)),
+            float(steps_within(level, zone.distance, zone.transition).max()),
+            float(steps_within(level, zone.distance, zone.plain).max()),
+            float(force[most]), float(x[most])))
+    return found
 
 
 def width_of(distance, level, structure, plain):
     """Distance behind the edge at which the level, linear between sleepers, first reaches
     measures.REACHED of the change; nan if never."""
+    order = np.argsort(distance)
+    distance, level = distance[order], level[order]
     goal = structure + measures.REACHED * (plain - structure)
     at = np.concatenate([[0], distance[distance > measures.TINY]])
     there = (np.interp(at, distance, level) - goal) * np.sign(plain - structure)
@@ -117,158 +216,247 @@ def width_of(distance, level, structure, plain):
     return float(np.interp(0, there[k - 1:k + 1], at[k - 1:k + 1])) if k else 0.0
 
 
-ROWS = (("rail on the structure, lowest level", "mm", "structure", 1e3),
-        ("rail on plain track beyond the wedge", "mm", "plain", 1e3),
-        (f"length of the transition ({measures.REACHED:.0%} of the change)", "m", "width", 1),
-        ("steepest change between two sleepers", "mm/m", "steepest", 1e3),
-        ("largest wheel force over the bed", "kN", "force", 1e-3))
+ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3),
+        ("the same on plain track beyond the wedge", "plain", 1e3),
+        (f"distance over which {measures.REACHED:.0%} of this change occur, m", "width", 1),
+        ("steepest change between two sleepers there, mm/m", "steepest", 1e3),
+        ("the same on plain track (scatter of the bed)", "scatter", 1e3),
+        ("largest wheel force in the transition, kN", "force", 1e-3),
+        ("  which is at x, m", "force_x", 1))
 
 
 def compared(now, other, what, unit, factor, field):
-    """'x instead of y unit (-n %)', or that there is no clear effect."""
+    """'x instead of y unit (-n %)', or that the difference is small."""
     a, b = getattr(now, field) * factor, getattr(other, field) * factor
-    if abs(a / b - 1) <= measures.CLEAR:
-        return f"{what} does not change clearly ({a:.3g} instead of {b:.3g} {unit})"
-    return f"{what} is {a:.3g} instead of {b:.3g} {unit} ({a / b - 1:+.0%})"
+    if not b or abs(a / b - 1) <= measures.CLEAR:
+        return f"{what} is nearly the same ({a:.3g} and {b:.3g} {unit})"
+    return f"{what} is {a:.2g} instead of {b:.2g} {unit} ({a / b - 1:+.0%})"
+
+
+def different_key(first, second):
+    """The first parameter, besides those of the wedge, in which two decks differ; or nothing."""
+    def flat(deck, path=""):
+        for key, value in deck.items():
+            if isinstance(value, dict):
+                yield from flat(value, f"{path}{key}.")
+            elif not (path + key).startswith(NOT_COMPARED) and path + key != "ground.block":
+                yield path + key, value
+    one, other = dict(flat(first.deck)), dict(flat(second.deck))
+    differing = [key for key in {**one, **other} if one.get(key) != other.get(key)]
+    shared = measures.blocks(second)
+    blocks = [{each["name"]: each for each in run.deck["ground"].get("block", [])}
+              for run in (first, second)]
+    differing += [f"ground.block.{name}" for name in shared if blocks[0][name] != blocks[1][name]]
+    return differing[0] if differing else ""
+
+
+def why_no_verdict(trains, changes):
+    if len(trains) < 2:
+        return "give a second run, without the wedge"
+    runs = [train.run for train in trains]
+    if not measures.differ_by_wedge(*runs):
+        return "the first run must have all blocks of the second and at least one more (the wedge)"
+    if key := different_key(*runs):
+        return f"the decks differ in {key}, not only in the wedge"
+    if changes is None:
+        return "the bed has no structure, or too few sleepers on it, behind it or on plain track"
+    now, other = changes
+    if min(abs(1 - change.structure / change.plain) for change in changes) <= measures.CLEAR:
+        return f"structure and plain track differ by less than {measures.CLEAR:.0%}"
+    if abs(now.plain / other.plain - 1) > measures.CLEAR:
+        return f"the plain tracks beyond the wedge differ by more than {measures.CLEAR:.0%}"
+    if not all(np.isfinite(change.width) for change in changes):
+        return "the level of plain track is not reached behind the structure"
+    return ""
 
 
 def verdict(trains, changes):
     """A sentence on the effect of the wedge, or why there is none."""
-    if len(trains) < 2:
-        return "No verdict: give a second run, without the wedge."
-    if not measures.differ_by_wedge(*(train.run for train in trains)):
-        return ("No verdict: the first run must have all blocks of the second and at least one "
-                "more (the wedge).")
-    if None in changes or not all(np.isfinite(change.width) for change in changes):
-        return "No verdict: the bed has no structure, or no plain track beyond the wedge."
+    if why := why_no_verdict(trains, changes):
+        return f"No verdict: {why}."
     now, other = changes
-    if abs(now.plain / other.plain - 1) > measures.CLEAR:
-        return (f"No verdict: the plain tracks beyond the wedge differ by more than "
-                f"{measures.CLEAR:.0%}.")
-    return "With the wedge, " + "; ".join(
-        compared(now, other, what, unit, factor, field) for what, unit, factor, field in (
-            ("the length over which the level of the rail under the train changes", "m", 1,
-             "width"),
-            ("its steepest change", "mm/m", 1e3, "steepest"),
-            ("the largest wheel force", "kN", 1e-3, "force"))) + "."
+    steepest = compared(now, other, "its steepest change between two sleepers", "mm/m", 1e3,
+                        "steepest")
+    if now.steepest <= (1 + measures.CLEAR) * now.scatter < other.steepest:
+        steepest += f", no more than the scatter on plain track ({1e3 * now.scatter:.2g} mm/m)"
+    return ("With the wedge, the distance behind the structure over which the lowest level of the "
+            f"rail under the train goes through {measures.REACHED:.0%} of its change to plain "
+            f"track is {now.width:.2g} m instead of {other.width:.2g} m; {steepest}; "
+            + compared(now, other, "the largest wheel force there", "kN", 1e-3, "force") + ".")
 
 
 def table(trains, changes):
-    lines = [f"{'level upwards, relative to the track before the train':<52}"
-             + "".join(f"{train.run.name:>14}" for train in trains)]
-    for label, unit, field, factor in ROWS:
-        values = [getattr(change, field) * factor if change else np.nan for change in changes]
-        lines.append(f"{label + ', ' + unit:<52}" + "".join(
-            f"{value:14.4g}" if np.isfinite(value) else f"{'-':>14}" for value in values))
-    axles = max(len(train.passing.lowest) for train in trains)
-    for axle in range(axles):
-        values = [-1e3 * np.nanmean(train.passing.lowest[axle]) for train in trains
-                  if axle < len(train.passing.lowest)]
-        lines.append(f"{f'sleepers under axle {axle + 1}, down, mean, mm':<52}"
-                     + "".join(f"{value:14.4g}" for value in values))
-    lines.append(f"{'settlement of sleepers by the train, mean, mm':<52}"
-                 + "".join(f"{1e3 * train.settlement().mean():14.4g}" for train in trains))
-    lines.append(f"{'settlement of sleepers by the train, largest, mm':<52}"
-                 + "".join(f"{1e3 * train.settlement().max():14.4g}" for train in trains))
+    wide = 54
+    lines = [" " * wide + "".join(f"{train.name:>15}" for train in trains)]
+    for label, field, factor in ROWS if changes else ():
+        lines.append(f"{label:<{wide}}" + "".join(
+            f"{value:15.4g}" if np.isfinite(value) else f"{'-':>15}"
+            for value in (getattr(change, field) * factor for change in changes)))
+    for label, of in (("mean wheel force over the bed, kN", lambda t: 1e-3 * t.mean_force()),
+                      ("settlement of sleepers into the bed, mean, mm",
+                       lambda t: 1e3 * t.settlement().mean()),
+                      ("settlement of sleepers into the bed, largest, mm",
+                       lambda t: 1e3 * t.settlement().max())):
+        lines.append(f"{label:<{wide}}" + "".join(f"{of(train):15.4g}" for train in trains))
     return "\n".join(lines) + "\n"
 
 
-def compare(trains, sentence):
+def curves(trains):
+    """The curves of transition.png as CSV: name of the file -> text. Runs may have other places."""
+    found = {}
+    for train in trains:
+        x, force = train.largest_force()
+        along = (train.run.sleepers_x, 1e3 * train.rail_down(), 1e3 * train.sleeper_down(),
+                 1e3 * train.settlement())
+        for name, head, columns in (
+                ("levels", "x_m,rail_down_mm,sleeper_down_mm,settlement_mm", along),
+                ("wheel_force", "x_m,largest_wheel_force_kN", (x, 1e-3 * force))):
+            rows = (",".join(f"{value:.6g}" for value in row) for row in zip(*columns))
+            found[f"{name}_{train.name.replace(' ', '_')}.csv"] = "\n".join([head, *rows]) + "\n"
+    return found
+
+
+def mark_judged(panel, trains, changes):
+    """The two levels, and where most of the change has occurred."""
+    for train, change, style in zip(trains, changes, STYLES):
+        edge = measures.edge_of_structure(train.run)
+        at = edge + measures.direction(train.run, edge) * change.width
+        goal = change.structure + measures.REACHED * (change.plain - change.structure)
+        panel.plot(at, 1e3 * goal, marker="D", ms=8, mfc="white", mew=1.8, color=style["color"],
+                   zorder=5, ls="", label=f"{measures.REACHED:.0%} of the change, {train.name}")
+
+
+def compare(trains, changes, sentence):
     """Three panels along the track, all designs in each."""
     figure, (force, level, settled) = plt.subplots(
-        3, 1, figsize=(10, 9.4), sharex=True, gridspec_kw={"height_ratios": (1, 1.3, 0.8)})
+        3, 1, figsize=(10, 9.6), sharex=True, gridspec_kw={"height_ratios": (1, 1.4, 0.8)})
     for train, style in zip(trains, STYLES):
-        name, x = train.run.name, train.run.sleepers_x
+        x = train.run.sleepers_x
         force.plot(*(value * factor for value, factor in zip(train.largest_force(), (1, 1e-3))),
-                   lw=1.3, label=name, **style)
-        level.plot(x, 1e3 * train.rail_level(), lw=2, label=f"rail, {name}", **style)
-        level.plot(x, 1e3 * train.sleeper_level(), lw=1, marker="o", ms=3,
-                   label=f"sleepers, {name}", **style)
-        settled.plot(x, 1e3 * train.settlement(), lw=1.2, marker="s", ms=3, label=name, **style)
+                   lw=1.3, label=train.name, **style)
+        level.plot(x, 1e3 * train.rail_down(), lw=2, label=f"rail, {train.name}", **style)
+        level.plot(x, 1e3 * train.sleeper_down(), lw=1, marker="o", ms=3,
+                   label=f"sleepers, {train.name}", **style)
+        settled.plot(x, 1e3 * train.settlement(), lw=1.2, marker="s", ms=3, label=train.name,
+                     **style)
+    mean = 1e-3 * trains[0].mean_force()
+    force.axhline(mean, color="0.3", lw=0.8, label=f"mean over the bed, {mean:.1f}")
+    if changes:
+        mark_judged(level, trains, changes)
+    level.invert_yaxis()
+    settled.invert_yaxis()
     force.set_ylabel("largest wheel force\nof all axles, kN")
-    level.set_ylabel("lowest level under the train, mm")
-    settled.set_ylabel("settlement by\nthe train, mm")
+    level.set_ylabel("lowest level under the train,\nmm down")
+    settled.set_ylabel("settlement into\nthe bed, mm")
     settled.set_xlabel("x along the track, m")
     force.set_title(model_drawing.heading(trains[0].run), fontsize=11)
     for panel in (force, level, settled):
         model_drawing.shade_blocks(panel, trains[0].run, names=panel is level)
         panel.grid(alpha=0.3)
         panel.legend(fontsize=8, ncols=2)
-    figure.text(0.02, 0.015, textwrap.fill(sentence, 125), fontsize=10, va="bottom")
-    figure.tight_layout(rect=(0, 0.02 + 0.022 * len(textwrap.wrap(sentence, 125)), 1, 1))
+    text = textwrap.fill(sentence, WRAP)
+    figure.text(0.02, 0.02, text, fontsize=10, va="bottom")
+    figure.tight_layout(rect=(0, 0.03 + 0.019 * (text.count("\n") + 1), 1, 1))
     model_drawing.stamp(figure, trains[0].run)
     return figure
 
 
 def instants(train, folder):
-    """(row of the passage, file of contacts) of each field file while a wheel is on the bed."""
+    """(row of the passage, file of contacts) of each field file within the passage, from the first
+    to the last at which a wheel is shown."""
+    low, high = model_drawing.ends_of(train.run)
     found = []
     for time, file in read.series(folder, "contacts"):
         row = int(np.argmin(np.abs(train.passing.time - time)))
-        near = abs(train.passing.time[row] - time) <= 2 * np.median(np.diff(train.passing.time))
-        if near and train.passing.on_bed()[row].any():
+        if abs(train.passing.time[row] - time) <= 2 * np.median(np.diff(train.passing.time)):
             found.append((row, file))
-    return found
+    shown = [k for k, (row, _) in enumerate(found)
+             if np.any((train.passing.x[row] > low) & (train.passing.x[row] < high))]
+    return found[shown[0]:shown[-1] + 1] if shown else []
 
 
 def draw_model(train, folder):
-    """The model at the instant of the field files when the largest contact force is greatest."""
-    figure, panel = plt.subplots(figsize=(13, 5.6))
-    scene = model_drawing.Scene(panel, train.run)
+    """The model at the instant of the field files when the largest contact force is greatest, and
+    the bed below the axles enlarged."""
+    shape = model_drawing.shape_of(train.run, model_drawing.CUT)
+    figure = plt.figure(figsize=(13, 12.2 * shape + 2.9))
+    size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)
+    panel = figure.add_axes(np.array([0.6, 2.55, 12.2, 12.2 * shape]) / size)
+    close = figure.add_axes(np.array([0.6, 0.25, 12.2, 1.7]) / size)
+    scenes = [model_drawing.Scene(panel, train.run, model_drawing.CUT),
+              model_drawing.Scene(close, train.run, model_drawing.CUT)]
     forces = [(model_drawing.contacts(file), row) for row, file in instants(train, folder)]
     if forces:
         chains, row = max(forces, key=lambda each: each[0].force.max(initial=0))
-        scene.set_chains(chains, chains.force.max())
-        words = f"largest contact force {chains.force.max() / 1e3:.1f} kN"
+        largest = chains.force.max(initial=0)
+        for scene in scenes:
+            scene.set_chains(chains, largest)
+        scenes[0].explain_chains(largest)
+        middle = chains.lines[np.argmax(chains.force)][:, 0].mean()
     else:
-        row = int(np.nanargmax(np.nanmax(train.passing.force, axis=(1, 2))))
-        words = "without contact forces: no field files within the passage"
-    scene.set_train(train.passing.x[row])
-    panel.set_title(f"{model_drawing.heading(train.run)}; {words}", fontsize=11)
-    figure.tight_layout()
+        on_bed = np.where(train.passing.on_bed()[..., None], train.passing.force, np.nan)
+        row = int(np.nanargmax(np.nanmax(on_bed, axis=(1, 2), initial=-1)))
+        middle = float(np.mean(train.run.sleepers_x))
+        panel.text(0.99, 0.97, "no contact forces: no field files within the passage", ha="right",
+                   va="top", transform=panel.transAxes, fontsize=9)
+    for scene in scenes:
+        scene.set_train(train.passing.x[row])
+    low, high = model_drawing.close_up(train.run)
+    close.set_ylim(low, high)
+    half = 0.5 * (high - low) * 12.2 / 1.7
+    close.set_xlim(middle - half, middle + half)
+    close.set_xlabel("")
+    panel.set_xlabel("")
+    panel.set_title(model_drawing.heading(train.run), fontsize=11)
+    panel.indicate_inset((middle - half, low, 2 * half, high - low), edgecolor="k", lw=1)
     model_drawing.stamp(figure, train.run)
     return figure
 
 
 def film(trains, folder):
-    """Frames of the first run, with the level of the rail of all designs below."""
+    """Frames of the first run, with the level of the rail of all designs below when their first
+    axles are where that of the first run is; thin: the lowest level up to then."""
     first = trains[0]
     # The upper panel has the shape of its contents, so that both have the same axis along x.
-    long, high, left = 11.2, 11.2 * model_drawing.shape_of(first.run), 0.7  # inches
-    figure = plt.figure(figsize=(long + 0.9, high + 3.2))
+    long, left = 11.2, 0.7  # inches
+    high = long * model_drawing.shape_of(first.run, model_drawing.CUT)
+    figure = plt.figure(figsize=(long + 0.9, high + 3.6))
     size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)
-    panel = figure.add_axes(np.array([left, 2.8, long, high]) / size)
-    level = figure.add_axes(np.array([left, 0.6, long, 1.9]) / size, sharex=panel)
-    scene = model_drawing.Scene(panel, first.run)
+    panel = figure.add_axes(np.array([left, 3.2, long, high]) / size)
+    level = figure.add_axes(np.array([left, 0.6, long, 2.3]) / size, sharex=panel)
+    scene = model_drawing.Scene(panel, first.run, model_drawing.CUT)
     panel.set(title=model_drawing.heading(first.run), xlabel="")
     model_drawing.shade_blocks(level, first.run, names=False)
-    lowest = min(train.rail_level().min() for train in trains)
-    level.set(ylabel="level of the rail, mm", xlabel="x along the track, m",
-              ylim=(1.15e3 * lowest, -0.2e3 * lowest))
+    lowest = max(1e3 * train.rail_down().max() for train in trains)
+    level.set(ylabel="level of the rail, mm down", xlabel="x along the track, m",
+              ylim=(1.1 * lowest, -0.2 * lowest))
     level.grid(alpha=0.3)
-    lines = [level.plot([], [], lw=2, label=train.run.name, **style)[0]
+    lines = [level.plot([], [], lw=2, label=train.name, **style)[0]
              for train, style in zip(trains, STYLES)]
+    deepest = [level.plot([], [], lw=0.8, **style)[0] for style in STYLES[:len(trains)]]
     level.legend(fontsize=8, loc="lower right")
     model_drawing.stamp(figure, first.run)
+    clock = panel.text(0.01, 0.96, "", transform=panel.transAxes, va="top", fontsize=10)
     figure.canvas.draw()
     still = figure.canvas.copy_from_bbox(figure.bbox)
     shots = [(row, model_drawing.contacts(file)) for row, file in instants(first, folder)]
-    if not shots:
-        raise read.Unreadable(f"{first.run.name}: no field files within the passage: set "
-                              "output.fields and output.fields_interval")
     largest = max(chains.force.max(initial=0) for _, chains in shots)
-    frames = []
+    begin, frames = first.passing.time[0], []
     for row, chains in shots:
         figure.canvas.restore_region(still)
         moving = [scene.set_chains(chains, largest), *scene.set_train(first.passing.x[row])]
-        for train, line in zip(trains, lines):
-            at = int(np.argmin(np.abs(train.passing.time - first.passing.time[row])))
-            line.set_data(train.run.sleepers_x, 1e3 * (train.passing.rail[at]
-                                                       - train.passing.rail[0]))
-        for artist in (*moving, *lines):
+        clock.set_text(f"{first.passing.time[row] - begin:.2f} s after the train began")
+        for train, line, lower in zip(trains, lines, deepest):
+            at = int(np.nanargmin(np.abs(train.passing.x[:, 0] - first.passing.x[row, 0]))) \
+                if np.isfinite(first.passing.x[row, 0]) else \
+                min(row, len(train.passing.time) - 1)
+            down = 1e3 * (train.passing.rail[0] - train.passing.rail)
+            line.set_data(train.run.sleepers_x, down[at])
+            lower.set_data(train.run.sleepers_x, down[:at + 1].max(axis=0))
+        for artist in (*moving, clock, *deepest, *lines):
             artist.axes.draw_artist(artist)
         frames.append(Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert(
-            "P", palette=Image.Palette.ADAPTIVE, colors=128))
+            "P", palette=Image.Palette.ADAPTIVE, colors=255))
     plt.close(figure)
     file = io.BytesIO()
     frames[0].save(file, format="GIF", save_all=True, append_images=frames[1:], loop=0,
@@ -283,22 +471,25 @@ def main():
     parser.add_argument("-o", dest="folder", required=True, type=pathlib.Path)
     parser.add_argument("--film", action="store_true", help="also write film.gif")
     arguments = parser.parse_args()
-    trains = [train_of(path) for path in (arguments.results, arguments.other) if path]
-    wedge = max(measures.wedge_length(train.run) for train in trains)
-    changes = [change_of(train, wedge) for train in trains]
+    trains = named([train_of(path) for path in (arguments.results, arguments.other) if path])
+    changes = changes_of(trains)
     sentence = verdict(trains, changes)
-    text = table(trains, changes) + "\n" + sentence + "\n"
+    text = table(trains, changes) + "\n" + textwrap.fill(sentence, WRAP) + "\n"
     write.folder(arguments.folder)
     written = []
-    for name, figure in (("transition.png", compare(trains, sentence)),
+    for name, figure in (("transition.png", compare(trains, changes, sentence)),
                          ("model.png", draw_model(trains[0], arguments.results))):
         picture = io.BytesIO()
         figure.savefig(picture, dpi=130)
         plt.close(figure)
         written.append((name, picture.getvalue()))
-    if arguments.film:
+    if arguments.film and instants(trains[0], arguments.results):
         written.append(("film.gif", film(trains, arguments.results)))
-    for name, contents in (*written, ("transition.txt", text.encode())):
+    elif arguments.film:
+        print(f"film.gif is skipped: {trains[0].run.name} has no field files within the passage; "
+              "set output.fields and output.fields_interval")
+    texts = {**curves(trains), "transition.txt": text}
+    for name, contents in (*written, *((name, one.encode()) for name, one in texts.items())):
         write.whole(arguments.folder / name, contents)
     for name, _ in written:
         print(arguments.folder / name)

@@ -1,64 +1,127 @@
 """Tests of transition.py on synthetic levels with known results."""
+import copy
 import types
 
 import numpy as np
 import pytest
+import read
 import transition
 
+X = 0.6 * np.arange(1, 31)
 
-def train(end_of_wedge, plain=-1e-3, force=60e3, wedge_present=True):
-    """A rail that sinks by 0.4 mm on a structure up to x = 3 m and by `plain` beyond
-    `end_of_wedge`, linear between the two; two axles of constant force."""
-    x = 0.6 * np.arange(1, 23)
-    level = np.interp(x, [3.0, end_of_wedge], [-0.4e-3, plain])
-    outline = [3.0, 0.0, 7.2, 0.0, 7.2, -0.6, 3.0, -0.6]
-    deck = {"sleepers": {"spacing": 0.6}, "ground": {"block": [
-        {"name": "structure", "outline": [0.0, 0.0, 3.0, 0.0, 3.0, -3.0, 0.0, -3.0]},
-        {"name": "wedge", "outline": outline, "present": wedge_present}]}}
-    run = types.SimpleNamespace(name="made", deck=deck, sleepers_x=x,
-                                ground_x=np.linspace(0, 13.8, 140))
-    way = np.linspace(-3, 16, 400)
+
+def train(end_of_wedge, plain=1e-3, force=60e3, wedge_present=True):
+    """A rail that sinks by 0.4 mm on a structure up to x = 4.8 m and by `plain` beyond
+    `end_of_wedge`, linear between the two; the levels of the first and last sleeper are off by a
+    millimetre. Two axles of constant force."""
+    down = np.interp(X, [4.8, end_of_wedge], [0.4e-3, plain])
+    down[[0, -1]] += 1e-3
+    outline = [4.8, 0.0, 9.0, 0.0, 9.0, -0.6, 4.8, -0.6]
+    deck = {"sleepers": {"spacing": 0.6}, "train": {"speed": 40.0}, "ground": {"block": [
+        {"name": "structure", "outline": [0.0, 0.0, 4.8, 0.0, 4.8, -3.0, 0.0, -3.0], "young": 1e10},
+        {"name": "wedge", "outline": outline, "present": wedge_present, "young": 1e9}]}}
+    run = types.SimpleNamespace(name="made", deck=deck, sleepers_x=X,
+                                ground_x=np.linspace(0, 18.6, 190))
+    way = np.linspace(-3, 22, 400)
     wheels = np.stack([way, way - 2], axis=1)
+    level = -np.stack([np.zeros_like(X), down, np.zeros_like(X)])
     passing = types.SimpleNamespace(
-        rail=np.stack([np.zeros_like(x), level]), x=wheels, lowest=np.stack([level, level]),
-        force=np.full((400, 2, 1), force), left=np.zeros_like(x))
-    return transition.Train(run, passing)
+        rail=level, displacement=level - [[0], [0], [1e-4]], ground=np.zeros((3, len(X))),
+        x=wheels, force=np.full((400, 2, 1), force),
+        on_bed=lambda: (wheels >= X[0]) & (wheels <= X[-1]))
+    return transition.Train(run, passing, "made")
 
 
 def stated(*trains):
-    wedge = max(transition.measures.wedge_length(one.run) for one in trains)
-    return transition.verdict(trains, [transition.change_of(one, wedge) for one in trains])
+    return transition.verdict(trains, transition.changes_of(trains))
 
 
 def test_levels_and_length():
-    found = transition.change_of(train(6.0), 4.2)
-    assert found.structure == pytest.approx(-0.4e-3)
-    assert found.plain == pytest.approx(-1e-3)
-    assert found.width == pytest.approx(0.9 * 3.0, abs=0.01)
+    found = transition.changes_of([train(7.8)])[0]
+    assert found.structure == pytest.approx(0.4e-3)
+    assert found.plain == pytest.approx(1e-3)
+    assert found.width == pytest.approx(0.9 * 3.0)
     assert found.steepest == pytest.approx(0.2e-3)
+    assert found.scatter == pytest.approx(0, abs=1e-12), "sleepers at the end are not judged"
     assert found.force == pytest.approx(60e3)
 
 
+def test_force_is_that_of_the_transition():
+    one = train(7.8)
+    one.passing.force[one.passing.x[:, 0] < 4] = 90e3
+    one.passing.force[:, 1] = 60e3
+    found = transition.changes_of([one])[0]
+    assert found.force == pytest.approx(60e3) and 4.7 < found.force_x < 10
+
+
 def test_verdict_names_what_changes_clearly():
-    text = stated(train(6.0), train(3.6, wedge_present=False))
-    assert "train changes is 2.7 instead of 0.54 m (+400%)" in text
-    assert "its steepest change is 0.2 instead of 1 mm/m (-80%)" in text
-    assert "the largest wheel force does not change clearly (60 instead of 60 kN)" in text
+    text = stated(train(7.8), train(5.4, wedge_present=False))
+    assert "to plain track is 2.7 m instead of 0.54 m" in text
+    assert "between two sleepers is 0.2 instead of 1 mm/m (-80%)" in text
+    assert "the largest wheel force there is nearly the same (60 and 60 kN)" in text
+
+
+def test_verdict_compares_with_the_scatter_of_plain_track():
+    first, second = train(7.8), train(5.4, wedge_present=False)
+    for one in (first, second):
+        one.passing.rail[1, 20] -= 0.11e-3  # 0.18 mm/m to its neighbours
+    assert "no more than the scatter on plain track (0.18 mm/m)" in stated(first, second)
+
+
+def test_settlement_is_relative_to_the_ground():
+    one = train(7.8)
+    assert one.settlement() == pytest.approx(1e-4)
+    one.passing.ground[-1] = -3e-5
+    assert one.settlement() == pytest.approx(0.7e-4)
 
 
 def test_no_verdict():
-    assert "differ by more than 10%" in stated(train(6.0), train(3.6, -1.2e-3, wedge_present=False))
-    assert "must have all blocks" in stated(train(6.0), train(3.6))
-    assert "give a second run" in stated(train(6.0))
-    without = train(6.0)
-    without.run.deck["ground"]["block"][0]["name"] = "bridge"
-    assert transition.change_of(without, 4.2) is None
-    other = train(3.6, wedge_present=False)
-    other.run.deck["ground"]["block"][0]["name"] = "bridge"
-    assert "no structure" in stated(without, other)
+    second = train(5.4, wedge_present=False)
+    assert "differ by more than 10%" in stated(train(7.8), train(5.4, 1.2e-3, wedge_present=False))
+    assert "must have all blocks" in stated(train(7.8), train(5.4))
+    assert "give a second run" in stated(train(7.8))
+    assert "differ by less than 10%" in stated(train(7.8, 0.42e-3),
+                                               train(5.4, 0.42e-3, wedge_present=False))
+    faster = copy.deepcopy(second.run.deck)
+    faster["train"]["speed"] = 50.0
+    second.run.deck = faster
+    assert "differ in train.speed" in stated(train(7.8), second)
+    without = train(7.8), train(5.4, wedge_present=False)
+    for one in without:
+        one.run.deck["ground"]["block"][0]["name"] = "bridge"
+    assert "no structure" in stated(*without)
+
+
+def test_a_run_that_was_stopped_is_refused():
+    run = types.SimpleNamespace(name="made", time=np.linspace(0, 1, 11), sleepers_x=X,
+                                passage=lambda: slice(5, 11), has_passage=lambda: True)
+    for begin, axle, words in ((0.2, 20.0, "was stopped before the train of its last passage"),
+                               (0.5, 10.0, "has an axle at x = 10.0 m")):
+        passing = types.SimpleNamespace(time=np.linspace(begin, 1, 6),
+                                        x=np.full((6, 2), axle))
+        with pytest.raises(read.Unreadable, match=words):
+            transition.require_whole(run, passing)
+
+
+def test_runs_of_one_name_have_files_of_their_own():
+    names = [one.name for one in transition.named([train(7.8), train(7.8)])]
+    assert names == ["made 1", "made 2"]
+    pair = transition.named([train(7.8), train(5.4, wedge_present=False)])
+    assert [one.name for one in pair] == ["with wedge", "without wedge"]
+    assert set(transition.curves(pair)) == {
+        f"{what}_{which}_wedge.csv" for what in ("levels", "wheel_force")
+        for which in ("with", "without")}
+
+
+def test_curves_are_written():
+    found = transition.curves([train(7.8)])
+    rows = found["levels_made.csv"].splitlines()
+    assert rows[0] == "x_m,rail_down_mm,sleeper_down_mm,settlement_mm" and len(rows) == 31
+    assert rows[8] == "4.8,0.4,0.4,0.1"
+    assert found["wheel_force_made.csv"].splitlines()[1].endswith(",60")
 
 
 def test_force_is_nan_where_no_wheel_was():
-    one = train(6.0)
+    one = train(7.8)
     one.passing.x[:] = np.nan
     assert np.isnan(one.largest_force()[1]).all()

@@ -13,29 +13,31 @@ from PIL import Image
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
 
-# A loose bed, hardly bedded in; the train passes at 300 m/s.
-CELL = ["stage.fill.duration=0.2", "stage.compact.duration=0.3", "platen.speed=1",
-        "stage.release.duration=0.01", "stage.rest.duration=0.02"]
-DECK = ["stage.lay.duration=0.005", "stage.sleepers.duration=0.03", "stage.bed_in.duration=0.02",
-        "stage.bed_in.cycles=1", "train.speed=300", "output.fields_interval=0.02"]
+# A loose bed, hardly bedded in; the train passes at 900 m/s.
+CELL = ["stage.fill.duration=0.15", "stage.compact.duration=0.1", "platen.speed=2",
+        "stage.release.duration=0.005", "stage.rest.duration=0.005"]
+DECK = ["stage.lay.duration=0.002", "stage.sleepers.duration=0.02", "stage.bed_in.duration=0.005",
+        "stage.bed_in.cycles=1", "train.speed=900", "output.fields_interval=0.01"]
 NO_WEDGE = ["ground.block.wedge.present=false", "ground.block.wedge_surface.present=false"]
 STAGES = ["lay", "sleepers", "bed_in", "first_train", "train"]
 
 
-def figures(source, folder, *runs):
-    """What transition.py prints about these runs."""
+def figures(source, folder, *runs, film=False):
+    """What transition.py writes about these runs."""
     made = folder / "_".join(("figures", *runs))
     ran = subprocess.run([sys.executable, source / "postproc/transition.py",
-                          *(folder / run for run in runs), "--film", "-o", made],
+                          *(folder / run for run in runs), *(["--film"] if film else []), "-o",
+                          made],
                          capture_output=True, text=True, check=False)
     if ran.returncode or ran.stderr:
         raise SystemExit(f"transition.py {runs}: {ran.returncode} {ran.stdout}{ran.stderr}")
     for name in ("model.png", "transition.png", "transition.txt"):
         if not (made / name).stat().st_size:
             raise SystemExit(f"{name} is missing or empty")
-    with Image.open(made / "film.gif") as film:
-        if film.n_frames < 3:
-            raise SystemExit(f"the film has {film.n_frames} frames")
+    if film:
+        with Image.open(made / "film.gif") as frames:
+            if frames.n_frames < 3:
+                raise SystemExit(f"the film has {frames.n_frames} frames")
     return (made / "transition.txt").read_text(encoding="utf-8")
 
 
@@ -51,9 +53,9 @@ def main():
         raise SystemExit(f"the deck has the stages {stages}")
     program.done(1, "run", *deck, *NO_WEDGE, f"start={folder / 'wedge/stage_bed_in.h5'}", "-o",
                  folder / "no_wedge")
-    both = figures(source, folder, "wedge", "no_wedge")
-    # Such a bed settles under the trains, so that the plain tracks may differ.
-    if "With the wedge, " not in both and "the plain tracks beyond the wedge differ" not in both:
+    both = figures(source, folder, "wedge", "no_wedge", film=True)
+    # Such a bed settles under the trains: the levels may allow no verdict, but the decks do.
+    if "With the wedge, " not in both and " differ by " not in both:
         raise SystemExit(f"no verdict on the wedge: {both}")
     for runs, why in ((("wedge",), "give a second run"),
                       (("no_wedge", "wedge"), "must have all blocks of the second")):
