@@ -20,8 +20,8 @@ STAGES = ("load", "passage")
 ROUNDING = 1e-6  # of the stress
 
 
-def array(cells, words):
-    (name,) = (name for name in cells if words in name)
+def array(cells, wanted):
+    (name,) = (name for name in cells if name.endswith(f"/{wanted}"))
     return cells[name]
 
 
@@ -30,9 +30,10 @@ def pictures(folder, stage):
     found = []
     for path in read.fields(folder, stage, "ground").values():
         cells = datasets(path)
-        principal = array(cells, "principal stresses, total")
-        found.append((principal[:, 2], principal[:, 0], array(cells, "least principal stress"),
-                      array(cells, "up to now: largest principal stress")))
+        principal = array(cells, "principal_stress")
+        found.append((principal[:, 2], principal[:, 0],
+                      array(cells, "extreme_least_principal_stress"),
+                      array(cells, "extreme_largest_principal_stress")))
     return found
 
 
@@ -56,7 +57,7 @@ def without(folder, stage, windows):
     shown = [path for window, path in read.fields(folder, stage, "ground").items()
              if windows(window)]
     for path in shown:
-        if any("up to now" in name for name in datasets(path)):
+        if any("extreme" in name for name in datasets(path)):
             raise SystemExit(f"{path}: extremes without output.ground_extremes")
     if not shown:
         raise SystemExit(f"{folder}: no field files of {stage}")

@@ -44,7 +44,7 @@ def check_unreliable(loops, deck):
     """A load that is too small against the bed's own motion is reported with a remedy."""
     place = loops.folder / "unreliable"
     why = "the load of 3 N is too small compared with the motion of the bed itself"
-    count, remedy = " of 4 sleepers have no reliable", "; use a larger handover.load (--load)"
+    count, remedy = " of 4 sleepers is not reliable", "; use a larger handover.load (--load)"
     reported = loops.ends(4, why, deck, place, "--load", "3")
     if count not in reported or remedy not in reported or len(reported.splitlines()) != 1 or \
             not reported.startswith("round 0: ") or (place / "round_0/track").exists():

@@ -300,7 +300,7 @@ TEST(StoneOnSurface, ACornerThatIsLostBehindASurfaceIsReported) {
   p.set_surfaces({&floor});
   std::string trouble;
   for (int k = 0; k < 200 && trouble.empty(); ++k) p.advance(2e-4, 10), trouble = p.trouble();
-  EXPECT_EQ(trouble.rfind("particle 0 at (", 0), 0u) << trouble;
+  EXPECT_EQ(trouble.rfind("a piece of particle 0 at (", 0), 0u) << trouble;
   EXPECT_NE(trouble.find(") m has penetrated the surface \"floor\" by more than"),
             std::string::npos)
       << trouble;

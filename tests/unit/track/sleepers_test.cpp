@@ -233,7 +233,7 @@ TEST(Sleepers, TroubleNamesTheSleeper) {
   EXPECT_EQ(sleepers.trouble(), "");
   const std::vector<double> seat{std::nan("")};
   sleepers.advance(1e-3, seat, {}, g);
-  EXPECT_NE(sleepers.trouble().find("sleeper 0"), std::string::npos);
+  EXPECT_NE(sleepers.trouble().find("sleeper placed at x = 0.6 m"), std::string::npos);
 }
 
 }  // namespace
