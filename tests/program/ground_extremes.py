@@ -78,8 +78,9 @@ def check_ends(program, words, often, folder):
         raise SystemExit(f"a gap in the extremes must be reported once: {ran.stdout}")
     shown = [datasets(path) for window, path in read.fields(gap, "load", "ground").items()
              if window > 140]
-    least = np.min([array(cells, "principal stresses")[:, 2] for cells in shown], axis=0)
-    if len(shown) < 2 or not np.array_equal(least, array(shown[-1], "least principal stress")):
+    least = np.min([array(cells, "principal_stress")[:, 2] for cells in shown], axis=0)
+    if len(shown) < 2 or not np.array_equal(least, array(
+            shown[-1], "extreme_least_principal_stress")):
         raise SystemExit(f"extremes of {len(shown)} files since the resume include earlier ones")
 
 
