@@ -84,6 +84,17 @@ def check_ends(program, words, often, folder):
         raise SystemExit(f"extremes of {len(shown)} files since the resume include earlier ones")
 
 
+def check_series(folder):
+    """The list of files and times is that of an uninterrupted run, and has all files."""
+    straight, stopped = ([(time, file.name) for time, file in read.series(folder / name, "ground")]
+                         for name in ("often", "stopped"))
+    files = sorted(path.name for path in (folder / "often/fields").glob("*_ground.vtkhdf"))
+    if straight != stopped or sorted(name for _, name in straight) != files:
+        raise SystemExit(f"series: {straight} and {stopped} of {files}")
+    if not np.all(np.diff([time for time, _ in straight]) > 0):
+        raise SystemExit(f"times of the series do not increase: {straight}")
+
+
 def main(path, deck, start, folder):
     program, folder = Program(path), pathlib.Path(folder)
     shutil.rmtree(folder, ignore_errors=True)
@@ -99,6 +110,7 @@ def main(path, deck, start, folder):
         straight, stopped = (pictures(folder / name, stage) for name in ("often", "stopped"))
         if not np.array_equal(np.sort(straight[-1], axis=None), np.sort(stopped[-1], axis=None)):
             raise SystemExit(f"{stage}: extremes differ after a stop")
+    check_series(folder)
     check_ends(program, words, often, folder)
     print("ok")
 
