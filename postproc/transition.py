@@ -56,8 +56,7 @@ class Train:
     def settlement(self):
         """Of each sleeper into the bed: relative to the ground below it, which still vibrates when
         the train has left."""
-        below = self.passing.ground
-        return self.passing.displacement[0] - below[0] - self.passing.displacement[-1] + below[-1]
+        return measures.residual_displacement(self.run) - measures.residual_ground(self.run)
 
     def largest_force(self):
         """x, m, and the largest force of any wheel there, N, along the bed."""
@@ -76,18 +75,6 @@ class Train:
         """Of a wheel over the bed, N: the static load, since the forces of a passage balance it."""
         return float(np.nanmean(np.where(self.passing.on_bed()[..., None], self.passing.force,
                                          np.nan)))
-
-
-class Passing(train_figures.Passing):
-    """With the level of the ground below each sleeper, m, [time, sleeper]."""
-
-    def __init__(self, run, every):
-        super().__init__(run, every)
-        rows = np.searchsorted(run.time, self.time)
-        self.ground = np.zeros_like(self.displacement)
-        if "displacement" in run.ground and len(run.ground_x):
-            level = run.ground["displacement"].values[rows]
-            self.ground = np.array([np.interp(run.sleepers_x, run.ground_x, row) for row in level])
 
 
 def require_whole(run, passing):
@@ -111,7 +98,7 @@ def train_of(folder):
     if len(run.sleepers_x) <= 2 * ENDS:
         raise read.Unreadable(f"{run.name} has {len(run.sleepers_x)} sleepers: transition.py needs "
                               f"more than {2 * ENDS}, since it does not judge those at the ends")
-    passing = Passing(run, read.datasets(folder))
+    passing = train_figures.Passing(run, read.datasets(folder))
     require_whole(run, passing)
     return Train(run, passing, run.name)
 

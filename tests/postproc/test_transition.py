@@ -20,14 +20,16 @@ def train(end_of_wedge, plain=1e-3, force=60e3, wedge_present=True):
     deck = {"sleepers": {"spacing": 0.6}, "train": {"speed": 40.0}, "ground": {"block": [
         {"name": "structure", "outline": [0.0, 0.0, 4.8, 0.0, 4.8, -3.0, 0.0, -3.0], "young": 1e10},
         {"name": "wedge", "outline": outline, "present": wedge_present, "young": 1e9}]}}
-    run = types.SimpleNamespace(name="made", deck=deck, sleepers_x=X,
-                                ground_x=np.linspace(0, 18.6, 190))
+    level = -np.stack([np.zeros_like(X), down, np.zeros_like(X)])
+    displacement, ground_x = level - [[0], [0], [1e-4]], np.linspace(0, 18.6, 190)
+    run = types.SimpleNamespace(
+        name="made", deck=deck, sleepers_x=X, ground_x=ground_x, passage=lambda: slice(0, 3),
+        sleeper={"displacement": types.SimpleNamespace(values=displacement)},
+        ground={"displacement": types.SimpleNamespace(values=np.zeros((3, len(ground_x))))})
     way = np.linspace(-3, 22, 400)
     wheels = np.stack([way, way - 2], axis=1)
-    level = -np.stack([np.zeros_like(X), down, np.zeros_like(X)])
     passing = types.SimpleNamespace(
-        rail=level, displacement=level - [[0], [0], [1e-4]], ground=np.zeros((3, len(X))),
-        x=wheels, force=np.full((400, 2, 1), force),
+        rail=level, displacement=displacement, x=wheels, force=np.full((400, 2, 1), force),
         on_bed=lambda: (wheels >= X[0]) & (wheels <= X[-1]))
     return transition.Train(run, passing, "made")
 
@@ -71,7 +73,7 @@ def test_verdict_compares_with_the_scatter_of_plain_track():
 def test_settlement_is_relative_to_the_ground():
     one = train(7.8)
     assert one.settlement() == pytest.approx(1e-4)
-    one.passing.ground[-1] = -3e-5
+    one.run.ground["displacement"].values[-1] = -3e-5
     assert one.settlement() == pytest.approx(0.7e-4)
 
 

@@ -1,5 +1,5 @@
 // Field output for ParaView and VTK: one VTKHDF file (UnstructuredGrid) per instant and part of the
-// model, written in parallel; ParaView reads the numbered files as one time series.
+// model, written in parallel; lists of files with times make a series of them.
 #pragma once
 
 #include <cstdint>
