@@ -15,7 +15,19 @@ void Archive::write(const std::string& name, std::span<T> values, std::size_t co
   out_->write<T>(group_ + name, values.first(comm_->root() ? values.size() : 0), columns, label);
 }
 
+namespace {
+
 // Decks are compared before: the shape differs where a file is damaged but its deck is not.
+std::string other_shape(const std::string& path, std::size_t stored, const char* unit,
+                        std::size_t expected) {
+  return fmt::format(
+      "dataset {} of the checkpoint has {} {}, but the model has {}: the checkpoint is damaged; "
+      "continue from another checkpoint",
+      path, stored, unit, expected);
+}
+
+}  // namespace
+
 template <class T>
 void Archive::fixed(const std::string& name, std::span<T> values, std::size_t columns,
                     const Label& label) {
@@ -23,10 +35,8 @@ void Archive::fixed(const std::string& name, std::span<T> values, std::size_t co
   const std::string path = group_ + name;
   const std::vector<std::size_t> stored = file_->extent(path);
   const std::size_t rows = values.size() / columns;
-  if (stored.at(0) != rows)
-    throw RunError(fmt::format("{}: holds {} rows, the model has {}", path, stored[0], rows));
-  if (stored.at(1) != columns)
-    throw RunError(fmt::format("{}: holds {} columns, the model has {}", path, stored[1], columns));
+  if (stored.at(0) != rows) throw RunError(other_shape(path, stored[0], "rows", rows));
+  if (stored.at(1) != columns) throw RunError(other_shape(path, stored[1], "columns", columns));
   const std::vector<T> found = file_->read_all<T>(path);
   std::copy(found.begin(), found.end(), values.begin());
 }

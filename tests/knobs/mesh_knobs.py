@@ -48,7 +48,7 @@ REFUSED = {
     "ground.border.3.holds=roller": "is not normal to x, y or z",
     "ground.border.0.holds=free ground.border.1.holds=free":
         "do not hold the ground in static equilibrium: it can move along y and move along z "
-        "and turn about x",
+        "and rotate about x",
     # Viscous sides hold y and ends x; nothing holds z.
     "ground.border.0.holds=free": "static equilibrium: it can move along z; add a fixed border",
     "ground.border.0.holds=fixed ground.base_motion={folder}/wave.csv":

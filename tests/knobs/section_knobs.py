@@ -36,10 +36,11 @@ REFUSED = {
         "ends at the foot of some sections and beyond the foot of others",
     "ground.y=[0,16] ground.elements_y=1": "must be at least 2",
     "ground.section.2.height=0.6":
-        'makes the lowest of them, "fill", thinner by 3.4 m, to 0 m; increase the height to more '
-        "than 0.6 m",
+        '"fill", is reduced by this difference and would be 0 m thick; increase the height to '
+        "more than 0.6 m",
     "ground.section.2.height=9.5":
-        'the lowest natural layer, "soil", thinner, to -0.5 m; reduce the height to less than 9 m',
+        '"soil", is reduced by this difference and would be -0.5 m thick; reduce the height to '
+        "less than 9 m",
     "ground.embankment_layers=0": "must be at least 1 and below the number of layers, 3",
     "ground.embankment_layers=3": "must be at least 1 and below the number of layers, 3",
     "ground.layer.1.elements=0": "must all have `elements`",

@@ -257,7 +257,10 @@ std::string Bodies::trouble() const {
     const std::string& name = impl_->meshes[b].body.name;
     const double turned = impl_->turn(b, moved).norm();
     if (!impl_->mean(b, moved).allFinite())
-      return fmt::format("the position of {} is not a number", name);
+      return fmt::format(
+          "the position of {} is not a number; use a smaller time.step or dem.safety, or a shorter "
+          "time.window",
+          name);
     if (turned > largest_turn)
       return fmt::format(
           "{} has turned by {:.3g} rad; the model assumes small displacements and allows at most "

@@ -99,12 +99,12 @@ void require_held(const SolidMesh& mesh, const GroundParameters& parameters, con
   std::vector<std::string> motions;
   for (int k = 0; k < 6; ++k)
     if (free.row(k).norm() > 0.1)
-      motions.push_back(fmt::format("{} {}", k < 3 ? "move along" : "turn about",
+      motions.push_back(fmt::format("{} {}", k < 3 ? "move along" : "rotate about",
                                     axes[static_cast<std::size_t>(k % 3)]));
   throw InputError(
       {fmt::format("{}: the borders do not hold the ground in static equilibrium: it can {}; add a "
-                   "fixed border, a viscous border at the base, or a roller whose normal is along "
-                   "a free motion (against a turn: off its axis)",
+                   "fixed border, a viscous border at the base, or a roller (it holds displacement "
+                   "along its normal, and rotation about an axis perpendicular to its normal)",
                    parameters.mesh, fmt::join(motions, " and "))});
 }
 

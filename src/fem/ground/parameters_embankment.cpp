@@ -92,20 +92,21 @@ void declare_section_height(const GroundParameters& p, std::size_t number, Secti
   const double sum = above + p.layers[lowest].thickness;
   const std::string key = fmt::format("section[{}].height", number);
   s.rule(key, thick[lowest] > same_place,
-         fmt::format("the embankment layers are {:g} m thick in total; a height of {:g} m makes "
-                     "the lowest of them, \"{}\", thinner by {:g} m, to {:g} m; increase the "
-                     "height to more than {:g} m or make the layers above it thinner",
-                     sum, section.height, p.layers[lowest].name, sum - section.height,
+         fmt::format("a height of {:g} m is {:g} m less than the sum of the embankment layers "
+                     "({:g} m); the lowest of them, \"{}\", is reduced by this difference and "
+                     "would be {:g} m thick; increase the height to more than {:g} m or make the "
+                     "layers above it thinner",
+                     section.height, sum - section.height, sum, p.layers[lowest].name,
                      thick[lowest], above),
          of_shape);
   const Layer& natural = p.layers.back();
   s.rule(
       key, thick.back() > same_place,
-      fmt::format("the embankment layers are {:g} m thick in total; a height of {:g} m makes the "
-                  "lowest of them thicker by {:g} m and the lowest natural layer, \"{}\", thinner, "
-                  "to {:g} m; reduce the height to less than {:g} m or make that layer thicker",
-                  sum, section.height, section.height - sum, natural.name, thick.back(),
-                  sum + natural.thickness),
+      fmt::format("a height of {:g} m exceeds the sum of the embankment layers ({:g} m) by {:g} m; "
+                  "the lowest natural layer, \"{}\", is reduced by this difference and would be "
+                  "{:g} m thick; reduce the height to less than {:g} m or make \"{}\" thicker",
+                  section.height, sum, section.height - sum, natural.name, thick.back(),
+                  sum + natural.thickness, natural.name),
       of_shape);
 }
 

@@ -107,7 +107,7 @@ std::vector<std::string> from_behind(const World& world,
     if (!reached || !reached->from_behind) continue;
     sentences.push_back(fmt::format(
         "{}: stone \"{}\" reaches surface \"{}\" from behind after about {:.3g} s, which ends the "
-        "run: plates and walls have contact on one side only; reverse the normal, use the other "
+        "run: plates and walls have contact on one side only; reverse the normal, change the "
         "side of a box, or place the stone in front of the surface",
         deck.where(fmt::format("stone[{}].position", i)), stone.name,
         world.placement->surfaces()[reached->surface].name, reached->time));

@@ -49,9 +49,11 @@ std::string words_of_d1(const char* section, const track::IrregularityParameters
 
 void introduce_track(const par::Comm& comm, const TrackModel& model, const BuiltTrack& built) {
   const track::Beam rail = track::beam_of(model.line.rail);
-  say(comm, fmt::format("  rail: E I {:.5g} N m2, k G A {:.5g} N{}, {:.5g} kg/m",
-                        rail.bending_stiffness, rail.shear_stiffness,
-                        rail.shear_stiffness > 0 ? "" : " (rigid in shear)", rail.mass));
+  const std::string shear = rail.shear_stiffness > 0
+                                ? fmt::format("k G A {:.5g} N", rail.shear_stiffness)
+                                : "rigid in shear";
+  say(comm, fmt::format("  rail: E I {:.5g} N m2, {}, {:.5g} kg/m", rail.bending_stiffness, shear,
+                        rail.mass));
   say(comm, fmt::format("  track: {:g} m, {} rail{}, {} sleepers, {} unknowns", built.line.length(),
                         built.line.sides(), built.line.sides() > 1 ? "s" : "",
                         built.line.sleepers(), built.line.system().mass.rows()));

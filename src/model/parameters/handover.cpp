@@ -44,12 +44,11 @@ void declare_handover(const Model& model, input::Section& s) {
       {.reads = {"handover", "irregularity"}});
   if (model.track.line.track.dimension == Dimension::plane) return;
   const track::IrregularityKind right = model.track.irregularity_right.kind;
-  s.rule(
-      "irregularity_right.kind",
-      right == track::IrregularityKind::none || right == track::IrregularityKind::same,
-      "must be \"none\" in a deck with [handover]: the loop derives the geometry of the rails from "
-      "the settlement",
-      {.reads = {"handover", "irregularity_right"}});
+  s.rule("irregularity_right.kind",
+         right == track::IrregularityKind::none || right == track::IrregularityKind::same,
+         "must be \"none\" or \"same\" in a deck with [handover]: the loop derives the geometry of "
+         "the rails from the settlement",
+         {.reads = {"handover", "irregularity_right"}});
   s.rule(
       "sleepers.model", model.sleepers.model == track::SleeperBody::rigid,
       "must be \"rigid\" in a deck with [handover] and two rails: tables of seat loads load both "

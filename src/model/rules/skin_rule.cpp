@@ -16,8 +16,9 @@ void declare_skin(const Model& model, double smallest, double largest, input::Se
   s.rule(
       "dem.skin", skin == 0 || (skin >= 5e-4 * smallest && skin <= largest),
       fmt::format(
-          "makes neighbour lists that are {}: the stones have diameters of about {:.3g} to {:.3g} "
-          "m, for which a skin is {:.2g} to {:.3g} m; is the skin in m? 0 lets the program choose",
+          "makes neighbour lists that are {}: for stones with diameters of about {:.3g} to {:.3g} "
+          "m, the skin should be between {:.2g} and {:.3g} m; is it in m? With 0 the program "
+          "chooses it",
           skin > largest ? "very long" : "soon outdated", smallest, largest, 5e-4 * smallest,
           largest),
       {.severity = input::Severity::warning, .reads = {"dem.skin", "bed", "stone"}});

@@ -26,6 +26,12 @@ std::string words_of_springs(const fem::GroundParameters& ground) {
   return fmt::format(" with springs of {:g} Pa/m", ground.base_stiffness);
 }
 
+std::string words_of_load(const track::SeatLoadParameters& load) {
+  if (load.is_table()) return "; seat loads from " + load.file;
+  return fmt::format("; seat load peak {:.4g} kN at {:.2f} km/h, {} axles", load.peak / 1e3,
+                     load.speed * 3.6, load.axles.size());
+}
+
 }  // namespace
 
 void say_model(World& world, const std::string& name) {
@@ -45,12 +51,8 @@ void say_model(World& world, const std::string& name) {
   }
   const bool passes = model.has_stage(StageKind::passage) && !model.has_train();
   if (world.sleepers)
-    say_values(
-        comm, "  sleepers: {}, each of {:.1f} kg{}", world.sleepers->count(),
-        world.sleepers->mass(),
-        passes ? fmt::format("; seat load peak {:.4g} kN at {:.2f} km/h, {} axles",
-                             model.load.peak / 1e3, model.load.speed * 3.6, model.load.axles.size())
-               : "");
+    say_values(comm, "  sleepers: {}, each of {:.1f} kg{}", world.sleepers->count(),
+               world.sleepers->mass(), passes ? words_of_load(model.load) : "");
   if (world.solids) {
     const fem::BodiesTotals totals = world.solids->bodies().totals();
     say_values(comm, "  solids: {} elements, {} unknowns on every rank; {}", totals.elements,

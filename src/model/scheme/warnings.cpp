@@ -85,16 +85,15 @@ std::string warning_of_bed(const World& world, std::span<const Stage> done) {
   const Expected expected = expected_of(model, done);
   const double expected_height = volume / (area * (1 - expected.porosity));
   const double voids_at_faces = 0.5e-3 * model.bed.sieve.back();  // m, sieves are in mm
-  if (height >= (1 - bed_tolerance) * expected_height &&
-      height <= (1 + bed_tolerance) * expected_height + voids_at_faces)
-    return {};
+  const double least = (1 - bed_tolerance) * expected_height;
+  const double most = (1 + bed_tolerance) * expected_height + voids_at_faces;
+  if (height >= least && height <= most) return {};
   return fmt::format(
-      "the compacted bed is {:.3g} m high (porosity {:.2f}); with the porosity of the deck, "
-      "{:.3g}, these stones give {:.3g} m (the deck asks for {:g} m); accepted are heights from "
-      "{:g} % below {:.3g} m to {:g} % plus {:.3g} m above it; check the stages, or change "
-      "bed.porosity",
-      height, 1 - volume / (area * height), expected.porosity, expected_height, expected.height,
-      100 * bed_tolerance, expected_height, 100 * bed_tolerance, voids_at_faces);
+      "the compacted bed is {:.3g} m high (porosity {:.2f}), outside the accepted range of {:.3g} "
+      "to {:.3g} m; the volume of the stones and the porosity of the deck ({:.3g}) give {:.3g} m, "
+      "and the height in the deck is {:g} m; check the stages, or change bed.porosity",
+      height, 1 - volume / (area * height), least, most, expected.porosity, expected_height,
+      expected.height);
 }
 
 // In stages of kind fill and cribs falling stones are expected to be fast.

@@ -47,8 +47,8 @@ void declare_seats(const TrackModel& model, input::Section& s) {
          "first in m, for example [0, 2.8] for a bogie",
          about);
   s.rule("track.ends", model.line.track.ends == track::RailEnds::pinned,
-         "must be \"pinned\" if seat loads are applied (passage.loaded_by): they replace the "
-         "rail, so that its ends have no effect",
+         "must be \"pinned\" if seat loads are applied (passage.loaded_by): the rail then has no "
+         "pads and only pinned ends support it; it has no effect on the sleepers",
          about);
 }
 

@@ -15,15 +15,17 @@ constexpr double most_change = 1e300;      // m, if a change is not finite
 
 std::string why_no_equilibrium(const Train& train, double change, double tolerance) {
   const std::string text = fmt::format(
-      "static equilibrium of the train on the track did not converge to {:g} m in {} iterations of "
-      "Newton's method ({}): a wheel may be unloaded",
+      "static equilibrium of the train on the track did not converge to passage.tolerance = {:g} m "
+      "in {} iterations of Newton's method ({}): a wheel may be unloaded",
       tolerance, most_iterations,
       change < most_change ? fmt::format("the last one changed an approach by {:.2g} m", change)
                            : "the last one has no finite solution");
   for (const VehicleParameters& vehicle : train.vehicles())
     if (vehicle.body_offset != 0)
       return text + fmt::format("; reduce body_offset of {}", vehicle.name);
-  return text;
+  return text +
+         "; check the vehicles and the forces on the rail ([[force]]), or increase "
+         "passage.tolerance";
 }
 
 }  // namespace

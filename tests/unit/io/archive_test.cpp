@@ -128,10 +128,14 @@ TEST_F(ArchiveTest, OptionalValuesAreReadWhereTheyAre) {
 TEST_F(ArchiveTest, OtherShapesAreRefused) {
   save(example());
   EXPECT_EQ(refusal(empty(2)), "");
-  EXPECT_EQ(refusal(empty(3)), "train/wagon/place: holds 2 rows, the model has 3");
+  EXPECT_EQ(refusal(empty(3)),
+            "dataset train/wagon/place of the checkpoint has 2 rows, but the model has 3: the "
+            "checkpoint is damaged; continue from another checkpoint");
   Wagon stiffer = empty(2);
   stiffer.motion = Eigen::VectorXd::Zero(4);
-  EXPECT_EQ(refusal(stiffer), "train/wagon/motion: holds 3 rows, the model has 4");
+  EXPECT_EQ(refusal(stiffer),
+            "dataset train/wagon/motion of the checkpoint has 3 rows, but the model has 4: the "
+            "checkpoint is damaged; continue from another checkpoint");
   const File file(world_, scratch_ / "wagon.h5", Mode::read);
   Archive archive = Archive::reader(file).group("train").group("wagon");
   std::vector<double> six(6);
