@@ -21,6 +21,7 @@ pkg_check_modules(PETSC REQUIRED IMPORTED_TARGET PETSc)
 # without PETSc could not be used.
 set_property(TARGET PkgConfig::PETSC PROPERTY INTERFACE_COMPILE_OPTIONS "")
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-openmpi)
+find_library(HDF5_HL_LIBRARY hdf5_hl HINTS ${HDF5_LIBRARY_DIRS} REQUIRED)
 
 # Debian's python3, not the first on PATH: only Debian's has the modules of cmake/packages.txt.
 set(TRACKBED_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with h5py, numpy, matplotlib and VTK")

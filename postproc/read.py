@@ -24,7 +24,7 @@ import numpy as np
 
 @dataclasses.dataclass(frozen=True)
 class Quantity:
-    """An array with the attributes `unit` and `meaning` of its dataset."""
+    """An array with the attributes `units` and `long_name` of its dataset."""
     values: np.ndarray
     unit: str
     meaning: str
@@ -120,12 +120,13 @@ def _text(value):
 
 
 def _quantity(dataset):
-    return Quantity(dataset[()], _text(dataset.attrs["unit"]), _text(dataset.attrs["meaning"]))
+    return Quantity(dataset[()], _text(dataset.attrs["units"]), _text(dataset.attrs["long_name"]))
 
 
 def _quantities(file, group):
-    return {name: _quantity(dataset) for name, dataset in file[group].items()} \
-        if group in file else {}
+    """The datasets of a group without their axes."""
+    return {name: _quantity(dataset) for name, dataset in file[group].items()
+            if not dataset.is_scale} if group in file else {}
 
 
 def _of_places(file, group):
@@ -238,13 +239,16 @@ def datasets(path):
     missing labels are empty."""
     found = {}
 
-    def see(name, item):
-        if isinstance(item, h5py.Dataset):
-            label = (_text(item.attrs.get(key, "")) for key in ("unit", "meaning"))
-            found[name] = Quantity(item[()], *label)
+    def see(group):  # visititems would give a dataset with several names only once
+        for item in group.values():
+            if isinstance(item, h5py.Group):
+                see(item)
+            elif isinstance(item, h5py.Dataset):
+                label = (_text(item.attrs.get(key, "")) for key in ("units", "long_name"))
+                found[item.name.lstrip("/")] = Quantity(item[()], *label)
 
     with _opened(_place(path, "results.h5")) as file:
-        file.visititems(see)
+        see(file)
     return found
 
 

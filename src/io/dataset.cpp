@@ -133,6 +133,12 @@ std::vector<T> read_typed(const File::Handle& file, const std::string& path, con
   return values;
 }
 
+// The conventions write a quantity without unit as "1".
+void write_label(File& file, const std::string& path, const Label& label) {
+  file.attribute(path, "units", label.unit == "-" ? std::string("1") : label.unit);
+  file.attribute(path, "long_name", label.meaning);
+}
+
 // An error of the program, not of a file: it ends the run.
 std::size_t rows_of(std::size_t values, std::size_t columns) {
   require(columns > 0 && values % columns == 0, "the values of a dataset fill whole rows");
@@ -211,8 +217,7 @@ void File::write(const std::string& path, std::span<const T> mine, std::size_t c
   reserve(*handle_, path, total * row_bytes);
   const Dataset dataset = create_dataset(*handle_, path, native_type<T>(), total, columns, false);
   write_rows(*handle_, path, dataset, place, mine.data());
-  attribute(path, "unit", label.unit);
-  attribute(path, "meaning", label.meaning);
+  write_label(*this, path, label);
   const auto hash = hash_rows(std::as_bytes(mine).data(), place.count, row_bytes, place.begin);
   attribute(path, checksum_name, handle_->comm.sum(static_cast<std::int64_t>(hash)));
 }
@@ -263,10 +268,7 @@ void File::append(const std::string& path, std::span<const T> mine, std::size_t 
   const hsize_t extent[2] = {dataset.rows, columns};
   handle_->agree(H5Dset_extent(dataset.id.get(), extent) >= 0, "dataset " + path, "cannot grow");
   if (added > 0) write_rows(*handle_, path, dataset, place, mine.data());
-  if (fresh) {
-    attribute(path, "unit", label.unit);
-    attribute(path, "meaning", label.meaning);
-  }
+  if (fresh) write_label(*this, path, label);
 }
 
 // The space after the new end is lost to the file until it is written again.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "observe/impl.hpp"
+#include "observe/layout.hpp"
 #include "trackbed/io/replace.hpp"
 #include "trackbed/track/vehicle_layout.hpp"
 
@@ -180,6 +181,7 @@ void PassageHistories::write(const par::Comm& comm, const std::string& path, con
       file.write<double>("sleepers/x", own(sleeper_x), 1, {"m", "monitored sleepers"});
     io::Archive a = io::Archive::writer(comm, file);
     archive(a);
+    set_axes(comm, file);
     file.close();
   });
 }

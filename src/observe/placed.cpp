@@ -43,7 +43,7 @@ void put(ColumnWriter& to, const StoneInstant& stone) {
          stone.angular_momentum);
   to.put(group + "force", {"N", "of all contacts of the stone, x y z, without gravity"},
          stone.force);
-  to.put(group + "torque", {"Nm", "of all contacts of the stone about its centre of mass, x y z"},
+  to.put(group + "torque", {"N m", "of all contacts of the stone about its centre of mass, x y z"},
          stone.torque);
   to.put(group + "impulse", {"N s", "of the contact force since the start of the run, x y z"},
          stone.impulse);

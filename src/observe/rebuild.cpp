@@ -10,23 +10,16 @@
 #include <filesystem>
 
 #include "observe/impl.hpp"
+#include "observe/layout.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::observe {
 
 namespace {
 
-// Groups with one level of names below; those of `named_histories` have two.
-constexpr std::array plain_histories = {
-    "history/energy", "history/sleeper", "history/ground", "history/platen", "history/wheel",
-    "history/rail",   "history/body",    "history/seat",   "history/solid",  "history/total"};
-
-constexpr std::array named_histories = {"history/region", "history/wall", "history/stone",
-                                        "history/surface"};
-
 // Unit and meaning are copied with the data.
 io::Label label_of(const io::File& file, const std::string& path) {
-  return {file.text_attribute(path, "unit"), file.text_attribute(path, "meaning")};
+  return {file.text_attribute(path, "units"), file.text_attribute(path, "long_name")};
 }
 
 // Copies this rank's fraction of the first `rows` rows of a dataset. Collective; one append on any
@@ -45,24 +38,16 @@ void copy_table(const io::File& from, io::File& to, const std::string& path) {
   to.write<double>(path, from.read_own_rows<double>(path), columns, label_of(from, path));
 }
 
-// Names are read from the file, so that columns of other versions of the program are kept.
-std::vector<std::string> members(const io::File& file, const std::string& group) {
-  std::vector<std::string> paths;
-  if (file.has(group))
-    for (const std::string& name : file.names(group)) paths.push_back(group + "/" + name);
-  return paths;
-}
-
 void copy_histories(const par::Comm& comm, const io::File& from, io::File& to, std::size_t rows) {
   if (rows == 0) return;
   copy_history<double>(comm, from, to, "history/time", rows);
   copy_history<std::int64_t>(comm, from, to, "history/stage", rows);
   for (const char* group : plain_histories)
-    for (const std::string& path : members(from, group))
+    for (const std::string& path : columns(from, group))
       copy_history<double>(comm, from, to, path, rows);
   for (const char* list : named_histories)
     for (const std::string& one : members(from, list))
-      for (const std::string& path : members(from, one))
+      for (const std::string& path : columns(from, one))
         copy_history<double>(comm, from, to, path, rows);
 }
 
@@ -79,15 +64,15 @@ void copy_snapshots(const io::File& from, io::File& to, const std::vector<std::s
 // or removed.
 void read_through(const io::File& file) {
   for (const char* group : plain_histories)
-    for (const std::string& path : members(file, group)) file.read_own_rows<double>(path);
+    for (const std::string& path : columns(file, group)) file.read_own_rows<double>(path);
   for (const char* group : {"envelope/sleeper", "envelope/ground"})
-    for (const std::string& path : members(file, group)) file.read_own_rows<double>(path);
+    for (const std::string& path : columns(file, group)) file.read_own_rows<double>(path);
   for (const char* place : {"history/time", "sleepers/x", "ground/x", "bed/grading"})
     if (file.has(place)) file.read_own_rows<double>(place);
   if (file.has("history/stage")) file.read_own_rows<std::int64_t>("history/stage");
   const auto read_all_of = [&](const char* list) {
     for (const std::string& one : members(file, list))
-      for (const std::string& path : members(file, one)) file.read_own_rows<double>(path);
+      for (const std::string& path : columns(file, one)) file.read_own_rows<double>(path);
   };
   for (const char* list : {"chains", "stones", "surface"}) read_all_of(list);
   for (const char* list : named_histories) read_all_of(list);
@@ -118,7 +103,7 @@ auto reading(const std::string& path, F&& act) {
 // Copied unchanged: the caller compares the rows that it covers.
 void copy_envelope(const io::File& from, io::File& to) {
   for (const char* group : {"envelope/sleeper", "envelope/ground"})
-    for (const std::string& path : members(from, group)) copy_table(from, to, path);
+    for (const std::string& path : columns(from, group)) copy_table(from, to, path);
 }
 
 }  // namespace
@@ -173,6 +158,7 @@ void Results::resume(const std::string& old_path, std::int64_t rows,
     if (with_envelope) copy_envelope(old, file);
     if (with_envelope)
       file.attribute("envelope", "rows", old.integer_attribute("envelope", "rows"));
+    set_axes(impl.comm, file);
     file.close();
   }
   impl.take_name(part);

@@ -19,6 +19,7 @@
 #include <limits>
 
 #include "observe/impl.hpp"
+#include "observe/layout.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::observe {
@@ -229,6 +230,7 @@ void Results::Impl::change_twin(const std::function<void(io::File&)>& change) {
     io::File file(comm, twin_path(), io::Mode::append);
     if (has_twin) append_last_to(file);
     change(file);
+    set_axes(comm, file);
     file.close();
   } catch (const RunError&) {  // the same on all ranks
     std::error_code ignored;

@@ -84,7 +84,7 @@ def store(path, datasets, **attributes):
         file.attrs.update(attributes)
         for name, (values, unit) in datasets.items():
             file[name] = values
-            file[name].attrs["unit"], file[name].attrs["meaning"] = unit, "made for a test"
+            file[name].attrs["units"], file[name].attrs["long_name"] = unit, "made for a test"
 
 
 def write(folder, wedge=True, ground=True):

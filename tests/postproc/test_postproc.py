@@ -132,7 +132,7 @@ def test_model_without_ground_or_structure_is_reported(runs, tmp_path):
 def test_read_checkpoint_through_latest(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file["dem/mass"] = np.arange(3.0)
-        file["dem/mass"].attrs["unit"] = "kg"
+        file["dem/mass"].attrs["units"] = "kg"
     (tmp_path / "latest").write_text("a.h5\n")
     mass = read.checkpoint(tmp_path)["dem/mass"]
     assert mass.unit == "kg" and np.array_equal(mass.values, [0, 1, 2])

@@ -13,7 +13,7 @@
 
 namespace trackbed::io {
 
-// Unit and meaning of a dataset, stored as its attributes.
+// Unit and meaning of a dataset, stored as its attributes `units` and `long_name` (CF conventions).
 struct Label {
   std::string unit = "-";
   std::string meaning;
@@ -31,7 +31,7 @@ class File {
 
   // Writes all ranks' rows, in rank order, as a [rows, columns] dataset ([rows] if columns is 1).
   // T: double, float, std::int64_t, std::uint64_t, std::int32_t, std::int8_t, std::uint8_t.
-  // Parent groups are created. Adds the attributes unit, meaning and checksum. The path must be
+  // Parent groups are created. Adds the attributes of the label and a checksum. The path must be
   // new.
   template <class T>
   void write(const std::string& path, std::span<const T> mine, std::size_t columns,
@@ -56,6 +56,15 @@ class File {
   bool has(const std::string& path) const;                         // a dataset or group
   std::vector<std::size_t> extent(const std::string& path) const;  // rows, columns
   std::vector<std::string> names(const std::string& group) const;  // sorted members
+
+  // Axes: `axis` is a dataset of one number per row or column of the dataset `path`, stored as an
+  // HDF5 dimension scale, which readers of netCDF (xarray) show as the coordinate of dimension
+  // 0 (rows) or 1 (columns). A dimension keeps the axis that it has.
+  void set_axis(const std::string& path, std::size_t dimension, const std::string& axis);
+  bool has_axis(const std::string& path, std::size_t dimension) const;
+  bool is_axis(const std::string& path) const;
+  // Another name for a dataset (a hard link): readers of netCDF look for axes in the group only.
+  void link(const std::string& path, const std::string& existing);
 
   // Attributes of a dataset or of a group (created if missing; "/" is the root of the file). An
   // existing attribute is replaced. Text is stored as a fixed-length string, UTF-8 if it is not

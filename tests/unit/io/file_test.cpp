@@ -122,7 +122,7 @@ TEST(File, GrowsAndIsCutAndGrowsAgain) {
   }
   const File file(world(), path, Mode::read);
   EXPECT_EQ(file.read_all<double>("/history"), values<double>(0, 2 * 4050));
-  EXPECT_EQ(file.text_attribute("/history", "unit"), "m/s");
+  EXPECT_EQ(file.text_attribute("/history", "units"), "m/s");
 }
 
 // Space reserved against a full disk is released: thousands of small files are written per run.
@@ -152,8 +152,8 @@ TEST(File, KeepsAttributes) {
     file.attribute("/a", "Version", std::vector<std::int64_t>{1, 0});
   }
   const File file(world(), scratch / "a.h5", Mode::read);
-  EXPECT_EQ(file.text_attribute("/a/x", "unit"), "kN/m²");
-  EXPECT_EQ(file.text_attribute("/a/x", "meaning"), "");
+  EXPECT_EQ(file.text_attribute("/a/x", "units"), "kN/m²");
+  EXPECT_EQ(file.text_attribute("/a/x", "long_name"), "");
   EXPECT_EQ(file.text_attribute("/", "title"), "second");
   EXPECT_EQ(file.number_attribute("/made/here", "time"), 0.1);
   EXPECT_EQ(file.integer_attribute("/a/x", "window"), std::int64_t{1} << 60);

@@ -1,0 +1,31 @@
+// Groups of results.h5. Private to the module.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "trackbed/io/file.hpp"
+
+namespace trackbed::observe {
+
+// Groups with one level of names below; those of `named_histories` have two.
+inline constexpr std::array plain_histories = {
+    "history/energy", "history/sleeper", "history/ground", "history/platen", "history/wheel",
+    "history/rail",   "history/body",    "history/seat",   "history/solid",  "history/total"};
+
+inline constexpr std::array named_histories = {"history/region", "history/wall", "history/stone",
+                                               "history/surface"};
+
+// Paths of the members of a group, sorted; none if there is no such group. Names are read from the
+// file, so that columns of other versions of the program are kept. Collective.
+std::vector<std::string> members(const io::File& file, const std::string& group);
+// Without the axes of the datasets.
+std::vector<std::string> columns(const io::File& file, const std::string& group);
+
+// Gives each history and envelope that has none its axes (io::File::set_axis): time, and positions
+// or numbers of the columns, within its own group, where readers of netCDF look for them.
+// Collective.
+void set_axes(const par::Comm& comm, io::File& file);
+
+}  // namespace trackbed::observe
