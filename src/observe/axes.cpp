@@ -21,7 +21,7 @@ struct ColumnAxis {
   const char* meaning;
 };
 
-constexpr const char* of_axes = "0: x, 1: y, 2: z";
+constexpr const char* of_axes = "x y z, of a quaternion x y z w";
 constexpr const char* plain = "number, from 0";
 constexpr std::array<const char*, 2> none{"", ""};
 
@@ -36,7 +36,8 @@ constexpr std::array column_axes = {
     ColumnAxis{"history/seat", none, "seat", "left before right"},
     ColumnAxis{"history/solid/bending_stress", none, "place", "seats, then middles of sleepers"},
     ColumnAxis{"history/solid", none, "seat", "left before right"},
-    ColumnAxis{"history/region", none, "cell", "x fastest, then y"},
+    ColumnAxis{"history/region", none, "cell",
+               "x fastest, then y; six values of a tensor for each"},
     ColumnAxis{"history", none, "component", of_axes},
     ColumnAxis{"envelope/ground", {"ground/x", ""}, "place", plain},
     ColumnAxis{"envelope", {"envelope/x", "sleepers/x"}, "place", plain},

@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""Every kind of results opens in xarray as labelled arrays, also those of a resumed run.
+
+    labels.py PROGRAM SOURCE_FOLDER FOLDER
+"""
+import pathlib
+import shutil
+import sys
+
+import h5py
+import numpy as np
+import xarray
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program  # noqa: E402
+
+# Deck, and dimensions of some of its arrays.
+RUNS = {
+    "tests/restart/tiny_two_rails.toml": {
+        "history/sleeper/displacement": ("time", "x"), "history/seat/force": ("time", "seat"),
+        "history/wheel/x": ("time", "wheel"), "history/body/roll": ("time",),
+        "history/wall/wall.left/force": ("time", "component"),
+        "history/ground/velocity_y": ("time", "x"),
+        "envelope/ground/sigma_z_min": ("x",)},
+    "tests/restart/placed.toml": {"history/stone/ball/attitude": ("time", "component_of_attitude"),
+                                  "history/total/momentum": ("time", "component")},
+    "tests/knobs/track.toml": {"history/wheel/force": ("time", "wheel"),
+                               "envelope/sleeper/seat_force_max": ("x",)},
+    "tests/knobs/on_ground.toml": {"history/ground/force": ("time", "x")}}
+
+
+def groups_of(path):
+    """All groups of histories and envelopes that hold datasets."""
+    found = ["history"]
+
+    def see(group):
+        if any(isinstance(item, h5py.Dataset) for item in group.values()):
+            found.append(group.name)
+        for item in group.values():
+            if isinstance(item, h5py.Group):
+                see(item)
+
+    with h5py.File(path, "r") as file:
+        for top in ("history", "envelope"):
+            for item in file.get(top, {}).values():
+                if isinstance(item, h5py.Group):
+                    see(item)
+    return found
+
+
+def read(path):
+    """Every array of xarray by its path, with a coordinate for each dimension, units and a long
+    name."""
+    seen = {}
+    for group in groups_of(path):
+        with xarray.open_dataset(path, group=group, engine="h5netcdf") as data:
+            for name, one in data.load().variables.items():
+                seen[f"{group}/{name}".lstrip("/")] = one
+                bare = [axis for axis in one.dims if axis not in data.coords]
+                lacks = [word for word in ("units", "long_name") if not one.attrs.get(word)]
+                if bare or lacks:
+                    raise SystemExit(f"{path}: {group}/{name}: without coordinate: {bare}; without "
+                                     f"attribute: {lacks}")
+    return seen
+
+
+def check(path, dimensions):
+    arrays = read(path)
+    for name, dims in dimensions.items():
+        if arrays[name].dims != dims:
+            raise SystemExit(f"{path}: {name} has dimensions {arrays[name].dims}, not {dims}")
+    return arrays
+
+
+def check_resume(program, deck, folder):
+    """Labels after a stop, and at other values than the numbers of rows."""
+    dims = {"history/sleeper/displacement": ("time", "x"),
+            "history/region/below/porosity": ("time", "cell"),
+            "history/region/below/stress": ("time", "cell_of_stress")}
+    program.done(2, "run", deck, "output.stop_after=700", "-o", folder, code=3)
+    program.done(1, "resume", folder)
+    arrays = check(folder / "results.h5", dims)
+    with h5py.File(folder / "results.h5", "r") as file:
+        for name, place in (("history/sleeper/time", "history/time"),
+                            ("history/sleeper/x", "sleepers/x"),
+                            ("history/ground/x", "ground/x"),
+                            ("history/ground/sigma_z", "history/ground/sigma_z")):
+            if not np.array_equal(arrays[name].values, file[place][()]):
+                raise SystemExit(f"{name} in xarray differs from {place}")
+
+
+def main():
+    program, source = Program(sys.argv[1]), pathlib.Path(sys.argv[2])
+    folder = pathlib.Path(sys.argv[3])
+    shutil.rmtree(folder, ignore_errors=True)
+    for deck, dimensions in RUNS.items():
+        place = folder / pathlib.Path(deck).stem
+        program.done(1, "run", source / deck, "-o", place)
+        check(place / "results.h5", dimensions)
+    check_resume(program, source / "tests/restart/tiny.toml", folder / "resumed")
+    print(f"{len(RUNS) + 1} results are labelled")
+
+
+if __name__ == "__main__":
+    main()
