@@ -10,6 +10,9 @@ namespace trackbed::observe {
 
 inline constexpr const char* results_kind = "trackbed results";
 
+// The origin of a file of results; the deck is the effective one. Collective.
+void put_origin(const par::Comm& comm, io::File& file, const About& about);
+
 // A dataset [rows, width] that grows; `values` are rows not yet in the file, `last` those of the
 // last flush. width 0: nothing was sampled yet, so no dataset is created.
 struct Column {

@@ -172,10 +172,7 @@ void PassageHistories::write(const par::Comm& comm, const std::string& path, con
   for (const double x : points_) rail_x.insert(rail_x.end(), line_.sides(), x);
   io::replace_file(comm, path, [&](const std::string& part) {
     io::File file(comm, part, io::Mode::create);
-    file.attribute("/", "kind", std::string(results_kind));
-    file.attribute("/", "version", about.version);
-    file.attribute("/", "deck", about.deck);
-    file.attribute("/", "ranks", static_cast<std::int64_t>(comm.size()));
+    put_origin(comm, file, about);
     file.write<double>("rail/x", own(rail_x), 1, {"m", "monitored points of the rail"});
     if (!sleeper_x.empty())
       file.write<double>("sleepers/x", own(sleeper_x), 1, {"m", "monitored sleepers"});

@@ -152,12 +152,16 @@ void Results::flush() {
 Results::Impl::Impl(const par::Comm& world, std::string file, About what)
     : comm(world), path(std::move(file)), about(std::move(what)) {}
 
-// The origin of the file; the deck is the effective one.
-void Results::Impl::put_head(io::File& file) {
+void put_origin(const par::Comm& comm, io::File& file, const About& about) {
   file.attribute("/", "kind", std::string(results_kind));
   file.attribute("/", "version", about.version);
+  file.attribute("/", "build", about.build);
   file.attribute("/", "ranks", static_cast<std::int64_t>(comm.size()));
   file.attribute("/", "deck", about.deck);
+}
+
+void Results::Impl::put_head(io::File& file) {
+  put_origin(comm, file, about);
   if (!about.grading.empty())
     file.write<double>(
         "bed/grading",

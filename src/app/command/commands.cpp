@@ -138,6 +138,8 @@ int info(const par::Comm& comm, const Arguments& arguments) {
       results ? observe::open_results(comm, path) : io::open_checkpoint(comm, path);
   print(comm, fmt::format("{}: {}, written by trackbed {}\n", path,
                           file.text_attribute("/", "kind"), file.text_attribute("/", "version")));
+  if (file.has_attribute("/", "build"))
+    print(comm, fmt::format("  {}\n", file.text_attribute("/", "build")));
   if (results) {
     print(comm, fmt::format("  ranks {}\n", file.integer_attribute("/", "ranks")));
     if (file.has("history/time"))

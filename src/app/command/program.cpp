@@ -214,7 +214,8 @@ int parse_error(const par::Comm& comm, const CLI::App& line, const CLI::ParseErr
 int program(const par::Comm& comm, int argc, char** argv) {
   const std::vector<std::string> petsc_options = split_off_petsc(argc, argv);
   CLI::App line("Ballasted railway track, from the train to the subgrade", "trackbed");
-  line.set_version_flag("--version", "trackbed " + model::version());
+  line.set_version_flag(
+      "--version", fmt::format("trackbed {}\n{}", model::version(), model::build_description()));
   line.footer(
       "Run in parallel with mpirun -n N. Give PETSc options after --. Exit codes: 0 done, 2 bad "
       "input, 3 stopped early on request, with a checkpoint unless a message says otherwise, 4 "

@@ -38,6 +38,7 @@ void Run::checkpoint(const std::string& name) {
 // other defaults continue the run as this one would.
 void Run::save(io::File& file) {
   file.attribute("/", "version", model::version());
+  file.attribute("/", "build", model::build_description());
   file.attribute("/", "deck", model::effective_deck(context_.model));
   if (!files_.empty()) file.attribute("/", "files", files_);
   file.attribute("/", "deck_name", context_.name);

@@ -2,8 +2,6 @@
 
 namespace trackbed::model {
 
-std::string version() { return TRACKBED_VERSION; }
-
 input::Declaration declaration_of(Model& model) {
   return [&model](input::Section& section) { model.declare(section); };
 }

@@ -165,8 +165,9 @@ void PassageScheme::end_stage() {
 
 // All rows: they are few, and are stored in the checkpoint as well.
 void PassageScheme::flush() {
-  histories_.write(run_.comm, run_.folder + "/results.h5",
-                   {.deck = effective_deck(run_.model), .version = version()});
+  histories_.write(
+      run_.comm, run_.folder + "/results.h5",
+      {.deck = effective_deck(run_.model), .version = version(), .build = build_description()});
 }
 
 void PassageScheme::rescue() noexcept {

@@ -37,6 +37,7 @@ StagedScheme::StagedScheme(RunContext& run, const std::vector<bed::PlacedShape>&
       results_(comm_, run.folder + "/results.h5",
                {.deck = effective_deck(model_),
                 .version = version(),
+                .build = build_description(),
                 .grading = model_.has_one_grading() ? model_.bed.grading_table()
                                                     : std::vector<double>{}}) {
   if (world_.placement) world_.placement->give_shapes(shapes);

@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""The installed program and its files, and what it states of its origin.
+
+    installed.py CMAKE BUILD_FOLDER FOLDER [PACKAGE_BUILD]
+
+PACKAGE_BUILD: folder in which Debian's package is built from the source of BUILD_FOLDER and then
+unpacked instead.
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, expect  # noqa: E402
+
+
+def call(*words, **options):
+    return subprocess.run([str(word) for word in words], check=True, capture_output=True, text=True,
+                          **options)
+
+
+def unpacked(cmake, source, build, folder):
+    """Builds the package and unpacks it without installing it; returns what corresponds to /usr."""
+    call(cmake, "--preset", "package", "-B", build, cwd=source)
+    call(cmake, "--build", build, "--target", "trackbed")
+    call(pathlib.Path(cmake).parent / "cpack", "--config", build / "CPackConfig.cmake", "-B", folder)
+    package, = folder.glob("*.deb")
+    fields = call("dpkg-deb", "--field", package).stdout
+    for word in ("openmpi-bin", "libhdf5", "libpetsc", "Recommends: python3-h5py"):
+        if word not in fields:
+            raise SystemExit(f"{package} does not name {word}:\n{fields}")
+    call("dpkg-deb", "--extract", package, folder / "root")
+    return folder / "root" / "usr"
+
+
+def check_origin(program, place):
+    """The origin is the same in --version, in results and in checkpoints."""
+    ran = program.done(1, "--version")
+    name, build = ran.stdout.splitlines()
+    expect(re.fullmatch(r"trackbed \d+\.\d+\.\d+", name), "name and version", ran)
+    expect(re.fullmatch(r"commit [0-9a-z-]+; \S+ [\d.]+ .*-O3.*; .*\d.*; HDF5 [\d.]+, PETSc [\d.]+, "
+                        r"Eigen [\d.]+", build), "commit, compiler with flags, libraries", ran)
+    info = program.done(1, "info", place / "results.h5")
+    expect(build in info.stdout, "the results state the build", info)
+    return build
+
+
+def main():
+    cmake, build, folder = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    if len(sys.argv) > 4:
+        source = pathlib.Path(__file__).resolve().parents[2]
+        usr = unpacked(cmake, source, pathlib.Path(sys.argv[4]), folder)
+    else:
+        call(cmake, "--install", build, "--prefix", folder / "usr")
+        usr = folder / "usr"
+    program, data = Program(str(usr / "bin/trackbed")), usr / "share/trackbed"
+    place = folder / "run"
+    # From another folder, with decks and scripts of the installation only.
+    program.done(1, "run", data / "inputs/verify/stack.toml", "output.stop_after=20", "-o", place,
+                 code=3)
+    stated = check_origin(program, place)
+    if "-march=native" in stated and len(sys.argv) > 4:
+        raise SystemExit(f"the package is for the processor of this machine: {stated}")
+    call(sys.executable, data / "postproc/read.py", place / "results.h5")
+    for name in ("share/doc/trackbed/README.md", "share/doc/trackbed/docs/running.md",
+                 "share/trackbed/input.schema.json"):
+        if not (usr / name).is_file():
+            raise SystemExit(f"{name} is not installed")
+    script = usr / "share/bash-completion/completions/trackbed"
+    found = call("bash", "-c", f"compopt() {{ :; }}; source {script}; COMP_WORDS=(trackbed check a "
+                 "ground.elem); COMP_CWORD=3; _trackbed; echo ${COMPREPLY[@]}",
+                 env={**os.environ, "PATH": f"{usr / 'bin'}:{os.environ['PATH']}"}).stdout
+    if "ground.elements_x=" not in found or "dem." in found:
+        raise SystemExit(f"the completion proposes {found!r} for ground.elem")
+
+
+if __name__ == "__main__":
+    main()
