@@ -123,10 +123,15 @@ def _quantity(dataset):
     return Quantity(dataset[()], _text(dataset.attrs["units"]), _text(dataset.attrs["long_name"]))
 
 
+def _is_axis(dataset):
+    """Whether it labels the rows or columns of others in its group, as netCDF's readers expect."""
+    return h5py.h5ds.is_scale(dataset.id)
+
+
 def _quantities(file, group):
     """The datasets of a group without their axes."""
     return {name: _quantity(dataset) for name, dataset in file[group].items()
-            if not dataset.is_scale} if group in file else {}
+            if not _is_axis(dataset)} if group in file else {}
 
 
 def _of_places(file, group):
@@ -236,7 +241,8 @@ def _results(file_path, file):
 
 def datasets(path):
     """Every dataset of an HDF5 file, or of results.h5 in a folder, by its path, as a Quantity;
-    missing labels are empty."""
+    missing labels are empty. Axes of histories and envelopes are left out, except those of all:
+    history/time, sleepers/x and the like."""
     found = {}
 
     def see(group):  # visititems would give a dataset with several names only once
@@ -244,8 +250,11 @@ def datasets(path):
             if isinstance(item, h5py.Group):
                 see(item)
             elif isinstance(item, h5py.Dataset):
+                path = item.name.lstrip("/")
+                if path.count("/") > 1 and _is_axis(item):
+                    continue
                 label = (_text(item.attrs.get(key, "")) for key in ("units", "long_name"))
-                found[item.name.lstrip("/")] = Quantity(item[()], *label)
+                found[path] = Quantity(item[()], *label)
 
     with _opened(_place(path, "results.h5")) as file:
         see(file)

@@ -41,7 +41,8 @@ REFUSED = {
     f"{' '.join(SOLID)} solid.half=true": "solid.half = true: must be false below two rails",
     f"{' '.join(SOLID)} seat.rails=1": 'seat.rails = 1: must be 2 if track.dimension = "space"',
     "handover.after=sleepers irregularity.kind=none irregularity_right.kind=vee":
-        "irregularity_right.kind = \"vee\": must be \"none\" in a deck with [handover]",
+        "irregularity_right.kind = \"vee\": must be \"none\" or \"same\" in a deck "
+        "with [handover]",
     f"{' '.join(SOLID)} handover.after=sleepers irregularity.kind=none":
         "must be \"rigid\" in a deck with [handover] and two rails",
     "handover.after=sleepers irregularity.kind=none sleepers.free=[\"z\"]":

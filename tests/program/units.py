@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Datasets of results, checkpoints and field files have units; only numbers without unit have "-".
+"""Datasets of results, checkpoints and field files have units; only numbers without unit have "1".
 
     units.py RESULT_FOLDER ...
 """
@@ -38,9 +38,9 @@ def problems_of(path):
         unit, meaning = item.unit, item.meaning
         if not unit or not meaning:
             found.append(f"{name} has no unit or no meaning")
-        elif unit == "-" and not any(name.endswith(end) for end in PLAIN):
+        elif unit == "1" and not any(name.endswith(end) for end in PLAIN):
             found.append(f"{name} ({meaning}) has the unit -")
-        elif unit == "-" and WITH_UNIT.search(name + meaning):
+        elif unit == "1" and WITH_UNIT.search(name + meaning):
             found.append(f"{name} ({meaning}) has the unit -, but its meaning implies another")
         # VTK shows only names, which therefore end with the unit; / is not allowed in them.
         named = re.search(r"\(([^()]*)\)$", name.replace("∕", "/"))
