@@ -18,15 +18,16 @@ from program import Program, expect  # noqa: E402
 
 
 def call(*words, **options):
-    return subprocess.run([str(word) for word in words], check=True, capture_output=True, text=True,
-                          **options)
+    return subprocess.run([str(word) for word in words], check=True, capture_output=True,
+                          text=True, **options)
 
 
 def unpacked(cmake, source, build, folder):
     """Builds the package and unpacks it without installing it; returns what corresponds to /usr."""
     call(cmake, "--preset", "package", "-B", build, cwd=source)
     call(cmake, "--build", build, "--target", "trackbed")
-    call(pathlib.Path(cmake).parent / "cpack", "--config", build / "CPackConfig.cmake", "-B", folder)
+    cpack = pathlib.Path(cmake).parent / "cpack"
+    call(cpack, "--config", build / "CPackConfig.cmake", "-B", folder)
     package, = folder.glob("*.deb")
     fields = call("dpkg-deb", "--field", package).stdout
     for word in ("openmpi-bin", "libhdf5", "libpetsc", "Recommends: python3-h5py"):
@@ -41,8 +42,9 @@ def check_origin(program, place):
     ran = program.done(1, "--version")
     name, build = ran.stdout.splitlines()
     expect(re.fullmatch(r"trackbed \d+\.\d+\.\d+", name), "name and version", ran)
-    expect(re.fullmatch(r"commit [0-9a-z-]+; \S+ [\d.]+ .*-O3.*; .*\d.*; HDF5 [\d.]+, PETSc [\d.]+, "
-                        r"Eigen [\d.]+", build), "commit, compiler with flags, libraries", ran)
+    expect(re.fullmatch(r"commit [0-9a-z-]+; \S+ [\d.]+ .*-O3.*; .*\d.*; HDF5 [\d.]+, "
+                        r"PETSc [\d.]+, Eigen [\d.]+", build),
+           "commit, compiler with options, libraries", ran)
     info = program.done(1, "info", place / "results.h5")
     expect(build in info.stdout, "the results state the build", info)
     return build

@@ -99,7 +99,7 @@ struct Instant {
 struct About {
   std::string deck;     // the effective input
   std::string version;  // of the program
-  std::string build;    // what it was built from
+  std::string build{};  // what it was built from
   // Per sieve: opening (m), specified passing, lowest and highest allowed (%).
   std::vector<double> grading{};
 };
