@@ -73,3 +73,70 @@ def peak_near(frequency, amplitude, target, reach=0.3):
         return None
     high = [k for k in near if amplitude[k] >= 0.5 * max(amplitude[near])]
     return float(frequency[min(high, key=lambda k: abs(frequency[k] - target))])
+
+
+# Midband frequencies of third octaves and their edges, as ratios to 1000 Hz and to the midband
+# frequency (IEC 61260-1:2014, system of base 10).
+THIRD = 10 ** 0.1
+EDGE = 10 ** 0.05
+LEAST_LINES = 2  # of the spectrum in a band: a narrower band is not resolved by the record
+NEAR_NYQUIST = 0.9  # of half the sampling rate, above which an anti-aliasing filter acts
+
+# Reference values of levels, ISO 1683:2015, by the unit of the quantity.
+REFERENCES = {"m/s2": 1e-6, "m/s": 1e-9, "m": 1e-12, "N": 1e-6}
+
+
+def energies(time, values):
+    """(Hz, mean square of each line) of a signal without its mean, one-sided: their sum is the mean
+    square of the signal. The window is that of `spectrum`; its loss of energy is compensated."""
+    dt = step_of(time)
+    if dt is None:
+        raise ValueError("a spectrum needs evenly spaced samples")
+    window = scipy.signal.windows.tukey(len(time), 0.1, sym=False)
+    lines = np.fft.rfft((values - np.mean(values)) * window)
+    energy = 2 * np.abs(lines)**2 / (len(time)**2 * np.mean(window**2))
+    energy[0] /= 2
+    if len(time) % 2 == 0:
+        energy[-1] /= 2
+    return np.fft.rfftfreq(len(time), dt), energy
+
+
+def third_octaves(time, values):
+    """(midband frequencies, Hz; root mean square in each band) of the bands that the record
+    resolves. A line of the spectrum counts in each band by the fraction of its width there."""
+    frequency, energy = energies(time, values)
+    width = frequency[1]
+    below = np.concatenate([[0.0], np.cumsum(energy)])  # energy below each edge of a line
+    edges = np.concatenate([[0.0], frequency + width / 2])
+    first = np.ceil(10 * np.log10(LEAST_LINES * width / (EDGE - 1 / EDGE) / 1000))
+    last = np.floor(10 * np.log10(NEAR_NYQUIST * frequency[-1] / EDGE / 1000))
+    middle = 1000 * THIRD ** np.arange(first, last + 1)
+    inside = np.interp(middle * EDGE, edges, below) - np.interp(middle / EDGE, edges, below)
+    return middle, np.sqrt(np.maximum(inside, 0))
+
+
+def levels(amplitude, unit):
+    """Levels, dB, of root mean squares or amplitudes in `unit` (REFERENCES)."""
+    return 20 * np.log10(np.maximum(amplitude, 1e-300) / REFERENCES[unit])
+
+
+def weighting_wk(frequency):
+    """Magnitude of the weighting Wk of ISO 2631-1:1997 (vertical acceleration of seated and
+    standing persons), table A.1: band limits, transition from acceleration to velocity, step."""
+    s = 2j * np.pi * np.asarray(frequency, dtype=float)
+
+    def order_two(f, q):
+        w = 2 * np.pi * f
+        return 1 + s / (q * w) + (s / w)**2
+
+    low, high = order_two(0.4, np.sqrt(0.5)), order_two(100, np.sqrt(0.5))
+    limits = (s / (2 * np.pi * 0.4))**2 / low / high
+    transition = (1 + s / (2 * np.pi * 12.5)) / order_two(12.5, 0.63)
+    step = order_two(2.37, 0.91) / order_two(3.35, 0.91) * (2.37 / 3.35)**2
+    return np.abs(limits * transition * step)
+
+
+def weighted_rms(time, acceleration):
+    """Root mean square of the acceleration weighted by Wk, m/s2."""
+    frequency, energy = energies(time, acceleration)
+    return float(np.sqrt(np.sum(energy * weighting_wk(frequency)**2)))

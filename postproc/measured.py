@@ -1,0 +1,160 @@
+"""Measured signals: CSV, WAV and MAT files as evenly sampled arrays in SI units, with what was found
+or changed on the way.
+
+    signal = measured.load("sensor.csv:a2_g")     # column a2_g; without :NAME the only one
+    signal.time, signal.values, signal.unit       # s; SI
+    signal.remarks                                # sentences: gaps, clipping, resampling
+"""
+import dataclasses
+import pathlib
+
+import numpy as np
+import scipy.io
+import scipy.io.wavfile
+import scipy.signal
+
+import read
+import signals
+
+# Factor to SI and SI unit, by the end of a column's name.
+UNITS = {"_m_s2": (1.0, "m/s2"), "_g": (9.80665, "m/s2"), "_mm_s2": (1e-3, "m/s2"),
+         "_m_s": (1.0, "m/s"), "_mm_s": (1e-3, "m/s"), "_m": (1.0, "m"), "_mm": (1e-3, "m"),
+         "_um": (1e-6, "m"), "_N": (1.0, "N"), "_kN": (1e3, "N")}
+TIMES = {"time_s": 1.0, "time_ms": 1e-3}
+GAP = 1.5  # median steps: samples are missing
+CLIPPED = 3  # equal samples in a row at the largest or smallest value
+
+
+@dataclasses.dataclass(frozen=True)
+class Signal:
+    """Evenly spaced times, s; values in the SI unit `unit`; `remarks` on the data."""
+    name: str
+    time: np.ndarray
+    values: np.ndarray
+    unit: str
+    remarks: tuple
+
+
+def unit_of(name):
+    """(factor to SI, SI unit) by the longest ending of the name that is known."""
+    for ending in sorted(UNITS, key=len, reverse=True):
+        if name.endswith(ending):
+            return UNITS[ending]
+    raise read.Unreadable(f"the unit of column {name} is unknown: its name must end with one of "
+                          f"{', '.join(UNITS)}")
+
+
+def _chosen(columns, wanted, path):
+    if wanted and wanted not in columns:
+        raise read.Unreadable(f"{path} has no column {wanted}; it has {', '.join(columns)}")
+    if not wanted and len(columns) != 1:
+        raise read.Unreadable(f"{path} has the columns {', '.join(columns)}: choose one with "
+                              f"{path}:NAME")
+    return wanted or columns[0]
+
+
+def _time_of(names, path):
+    found = [name for name in names if name in TIMES]
+    if len(found) != 1:
+        raise read.Unreadable(f"{path} must have one column time_s or time_ms; it has "
+                              f"{', '.join(names)}")
+    return found[0]
+
+
+def _from_csv(path, wanted):
+    with path.open(encoding="utf-8-sig") as file:
+        names = [name.strip() for name in file.readline().split(",")]
+        try:
+            table = np.loadtxt(file, delimiter=",", ndmin=2)
+        except ValueError as error:
+            raise read.Unreadable(f"{path}: {error}") from None
+    if table.shape[1] != len(names):
+        raise read.Unreadable(f"{path} has {len(names)} names and {table.shape[1]} columns")
+    clock = _time_of(names, path)
+    name = _chosen([one for one in names if one != clock], wanted, path)
+    return name, table[:, names.index(clock)] * TIMES[clock], table[:, names.index(name)]
+
+
+def _from_mat(path, wanted):
+    """Vectors of equal length, one of them time_s or time_ms; MATLAB's files up to version 7."""
+    try:
+        found = {name: np.ravel(item) for name, item in scipy.io.loadmat(path).items()
+                 if isinstance(item, np.ndarray) and item.dtype.kind in "fiu"}
+    except (ValueError, NotImplementedError, TypeError) as error:
+        raise read.Unreadable(f"{path} cannot be read ({error}); save it with -v7") from None
+    clock = _time_of(list(found), path)
+    name = _chosen([one for one, item in found.items()
+                    if one != clock and len(item) == len(found[clock])], wanted, path)
+    return name, found[clock] * TIMES[clock], found[name].astype(float)
+
+
+def _from_wav(path, wanted):
+    """The name gives unit and value of the full scale: FILE.wav:50_m_s2 is 50 m/s2."""
+    number, _, unit = wanted.partition("_")
+    try:
+        scale = float(number)
+    except ValueError:
+        raise read.Unreadable(f"{path} holds fractions of the full scale: state its value and unit,"
+                              f" for example {path}:50_m_s2") from None
+    try:
+        rate, samples = scipy.io.wavfile.read(path)
+    except ValueError as error:
+        raise read.Unreadable(f"{path} is not a WAV file ({error})") from None
+    if samples.ndim > 1:
+        raise read.Unreadable(f"{path} has {samples.shape[1]} channels; give a file of one")
+    full = -float(np.iinfo(samples.dtype).min) if samples.dtype.kind == "i" else 1.0
+    return f"full_scale_{unit}", np.arange(len(samples)) / rate, scale * samples / full
+
+
+def _even(time, values):
+    """Evenly spaced signal and the remarks on what it was before."""
+    remarks = []
+    good = np.isfinite(values) & np.isfinite(time)
+    if not good.all():
+        remarks.append(f"{np.sum(~good)} of {len(values)} samples were not numbers and were "
+                       "interpolated")
+    time, values = time[good], values[good]
+    if len(time) < 3 or np.any(np.diff(time) <= 0):
+        raise read.Unreadable("a signal needs at least three samples in ascending time")
+    for limit in (values.max(), values.min()):
+        at = values == limit
+        if any(at[i:i + CLIPPED].all() for i in np.flatnonzero(at)[:-CLIPPED + 1]):
+            remarks.append(f"{np.sum(at)} samples equal the extreme value {limit:.4g}: the sensor "
+                           "was probably overloaded")
+    steps = np.diff(time)
+    step = float(np.median(steps))
+    missing = np.flatnonzero(steps > GAP * step)
+    if len(missing):
+        remarks.append(f"{len(missing)} gaps, the longest of {steps.max():.4g} s at "
+                       f"{time[np.argmax(steps)]:.4g} s, were filled by straight lines")
+    if signals.step_of(time) is None:
+        if not len(missing):
+            remarks.append(f"uneven steps were resampled to {step:.4g} s")
+        even = time[0] + step * np.arange(int(round((time[-1] - time[0]) / step)) + 1)
+        values = np.interp(even, time, values)
+        time = even
+    return time, values, remarks
+
+
+def load(place):
+    """Reads FILE or FILE:COLUMN. Names state units: time_s, a1_m_s2, force_kN. The mean and the
+    linear trend remain: see `detrended`."""
+    text = str(place)
+    name, colon, wanted = text.rpartition(":")
+    path = pathlib.Path(name if colon else text)
+    wanted = wanted if colon else ""
+    readers = {".csv": _from_csv, ".mat": _from_mat, ".wav": _from_wav}
+    if path.suffix.lower() not in readers:
+        raise read.Unreadable(f"{path}: the name must end with {', '.join(readers)}")
+    if not path.is_file():
+        raise read.Unreadable(f"{path} does not exist")
+    name, time, values = readers[path.suffix.lower()](path, wanted)
+    factor, unit = unit_of(name)
+    time, values, remarks = _even(time, values * factor)
+    return Signal(f"{path.name}, {name}", time, values, unit, tuple(remarks))
+
+
+def detrended(signal):
+    """Without mean and linear trend, as the drift of a sensor."""
+    return dataclasses.replace(signal, values=scipy.signal.detrend(signal.values),
+                               remarks=(*signal.remarks, "the linear trend was removed"))

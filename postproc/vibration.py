@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""Draws vibrations: the signal, its spectrum and its third octaves, computed beside measured.
+
+    vibration.py RESULT_DIR QUANTITY [--place N] [--measured FILE[:COLUMN]] [--cut-off HZ] -o DIR
+
+QUANTITY is a history such as sleeper/acceleration, body/acceleration, ground/velocity or
+wheel/force; N the number of its column, from 0 (default: the one with the largest root mean
+square). Of a run in stages the last passage is used. FILE: CSV, MAT or WAV (measured.py). Writes
+vibration.png, vibration.csv (third octaves) and vibration.txt. What is computed: docs/postproc.md.
+"""
+import argparse
+import dataclasses
+import io
+import pathlib
+
+import matplotlib
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+import measured  # noqa: E402
+import read  # noqa: E402
+import signals  # noqa: E402
+import write  # noqa: E402
+
+LEAST_ROWS = 32
+STYLES = ({"color": "tab:blue", "ls": "-"}, {"color": "tab:orange", "ls": "--"})
+
+
+def rows_of_passage(every, folder):
+    """Rows of the histories that belong to the last passage; all rows of a track alone."""
+    if "history/stage" not in every:
+        return slice(None)
+    return read.results(folder).passage()
+
+
+def computed(folder, quantity, place):
+    """The history as a Signal."""
+    every = read.datasets(folder)
+    name = f"history/{quantity}"
+    if name not in every or name == "history/time":
+        known = sorted(one.removeprefix("history/") for one, item in every.items()
+                       if one.startswith("history/") and item.unit in signals.REFERENCES)
+        raise read.Unreadable(f"{folder} has no history {quantity}; it has {', '.join(known)}")
+    unit = every[name].unit
+    if unit not in signals.REFERENCES:
+        raise read.Unreadable(f"{quantity} is in {unit}, not in one of "
+                              f"{', '.join(signals.REFERENCES)}")
+    rows = rows_of_passage(every, folder)
+    values = every[name].values[rows]
+    values = values.reshape(len(values), -1)
+    kept = np.isfinite(values).all(axis=1)  # no train: not a number
+    time, values = every["history/time"].values.ravel()[rows][kept], values[kept]
+    if not -1 <= place < values.shape[1]:
+        raise read.Unreadable(f"--place {place}: {quantity} has the places 0 to "
+                              f"{values.shape[1] - 1}")
+    if place < 0:
+        place = int(np.argmax(np.std(values, axis=0)))
+    if len(time) < LEAST_ROWS or signals.step_of(time) is None:
+        raise read.Unreadable(f"{quantity} has {len(time)} rows, unevenly spaced or fewer than "
+                              f"{LEAST_ROWS}: a spectrum needs evenly spaced ones; change "
+                              "output.history_interval")
+    return measured.Signal(f"{pathlib.Path(folder).name}, {quantity}, place {place}", time,
+                           values[:, place], unit, ())
+
+
+def numbers(signal):
+    """Name -> (value, unit)."""
+    middle, bands = signals.third_octaves(signal.time, signal.values)
+    moving = signal.values - signal.values.mean()
+    found = {"mean": (signal.values.mean(), signal.unit),
+             "largest magnitude of the difference from the mean": (np.abs(moving).max(),
+                                                                   signal.unit),
+             "root mean square of the difference from the mean": (moving.std(), signal.unit)}
+    if len(middle):
+        strongest = int(np.argmax(bands))
+        found["strongest third octave"] = (middle[strongest], "Hz")
+        found["its root mean square"] = (bands[strongest], signal.unit)
+    if signal.unit == "m/s2":
+        found["root mean square weighted by Wk (ISO 2631-1)"] = (
+            signals.weighted_rms(signal.time, signal.values), "m/s2")
+    if signal.unit == "N" and signal.values.mean() != 0:
+        found["dynamic load factor, largest force over mean"] = (
+            np.abs(signal.values).max() / abs(signal.values.mean()), "-")
+    return found
+
+
+def draw(shown, low_pass):
+    """Three panels; the name of the filter is on the axis of what it filters."""
+    figure, (history, lines, bands) = plt.subplots(3, 1, figsize=(9, 10), layout="constrained")
+    unit = shown[0].unit
+    names = {low_pass.name_for(signal.time) for signal in shown}
+    for signal, style in zip(shown, STYLES):
+        moving = dataclasses.replace(signal, values=signal.values - signal.values.mean())
+        history.plot(signal.time, low_pass(signal.time, moving.values), lw=0.8, label=signal.name,
+                     **style)
+        frequency, amplitude = signals.spectrum(signal.time, moving.values)
+        lines.loglog(frequency[1:], amplitude[1:], lw=0.8, label=signal.name, **style)
+        middle, band = signals.third_octaves(signal.time, signal.values)
+        if len(middle):
+            bands.step(middle, signals.levels(band, unit), where="mid", label=signal.name, **style)
+    history.set(xlabel="time, s", ylabel=f"difference from the mean, {unit}\n{'; '.join(names)}")
+    lines.set(xlabel="frequency, Hz", ylabel=f"amplitude, {unit}")
+    bands.set(xlabel="midband frequency, Hz", xscale="log",
+              ylabel=f"third octaves, dB re {signals.REFERENCES[unit]:g} {unit}")
+    for panel in (history, lines, bands):
+        panel.grid(alpha=0.3)
+        panel.legend(fontsize=8)
+    return figure
+
+
+def table_of(shown):
+    """CSV: midband frequency; root mean square and level of each signal where its record resolves
+    the band."""
+    of = [dict(zip(*signals.third_octaves(one.time, one.values))) for one in shown]
+    rows = ["midband_Hz," + ",".join(f"rms_{i},level_{i}_dB" for i in range(len(shown)))]
+    for middle in sorted(set().union(*of)):
+        cells = [f"{middle:.6g}"]
+        for bands in of:
+            cells += [f"{bands[middle]:.6g}", f"{signals.levels(bands[middle], shown[0].unit):.2f}"
+                      ] if middle in bands else ["", ""]
+        rows.append(",".join(cells))
+    return "\n".join(rows) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("results", type=pathlib.Path)
+    parser.add_argument("quantity")
+    parser.add_argument("--place", type=int, default=-1)
+    parser.add_argument("--measured")
+    parser.add_argument("--cut-off", type=float, default=100.0)
+    parser.add_argument("-o", dest="folder", required=True, type=pathlib.Path)
+    given = parser.parse_args()
+    if not given.cut_off > 0:
+        raise read.Unreadable(f"--cut-off {given.cut_off:g}: must be above 0 Hz")
+    shown = [computed(given.results, given.quantity, given.place)]
+    if given.measured:
+        shown.append(measured.detrended(measured.load(given.measured)))
+        if shown[1].unit != shown[0].unit:
+            raise read.Unreadable(f"{given.measured} is in {shown[1].unit}, {given.quantity} in "
+                                  f"{shown[0].unit}")
+    text = ""
+    for signal in shown:
+        text += f"{signal.name}\n" + "".join(f"  remark: {one}\n" for one in signal.remarks)
+        text += "".join(f"  {name:58} {value:10.4g} {unit}\n"
+                        for name, (value, unit) in numbers(signal).items())
+    write.folder(given.folder)
+    picture = io.BytesIO()
+    draw(shown, signals.LowPass(given.cut_off)).savefig(picture, dpi=130, format="png")
+    write.whole(given.folder / "vibration.png", picture.getvalue())
+    write.whole(given.folder / "vibration.csv", table_of(shown).encode())
+    write.whole(given.folder / "vibration.txt", text.encode())
+    print(text, end="")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,140 @@
+"""Third octaves, levels, weighting, measured files and the figure of vibrations."""
+import subprocess
+import sys
+
+import h5py
+import measured
+import numpy as np
+import pytest
+import read
+import scipy.io
+import scipy.io.wavfile
+import signals
+import vibration
+from made import store
+
+STEP = 1e-3
+TIME = np.arange(0, 4, STEP)
+# ISO 2631-1:1997, table 3: weighting Wk at nominal midband frequencies.
+WK = {0.5: 0.418, 1: 0.482, 2: 0.531, 4: 0.967, 8: 1.036, 16: 0.768, 31.5: 0.405, 63: 0.186}
+
+
+def test_bands_of_a_sine_and_of_noise_hold_their_energy():
+    middle, bands = signals.third_octaves(TIME, 5 + 3 * np.sin(2 * np.pi * 40 * TIME))
+    assert middle[np.argmax(bands)] == pytest.approx(1000 * 10**-1.4)
+    # The window spreads the line: 1e-4 of its energy lies in other bands.
+    assert bands.max() == pytest.approx(3 / np.sqrt(2), rel=1e-4)
+    noise = np.random.default_rng(1).normal(size=len(TIME))
+    middle, bands = signals.third_octaves(TIME, noise)
+    # White noise: the energy of a band is its width, of which 500 Hz have the mean square 1. Bands
+    # of hundreds of lines scatter by a few per cent.
+    wide = middle > 50
+    expected = np.sqrt(middle[wide] * (signals.EDGE - 1 / signals.EDGE) / 500)
+    assert bands[wide] == pytest.approx(expected, rel=0.15)
+    assert middle[-1] * signals.EDGE <= 0.9 * 500
+    assert middle[0] * (signals.EDGE - 1 / signals.EDGE) >= 2 / 4.0 - 1e-12
+
+
+def test_levels_refer_to_the_values_of_iso_1683():
+    assert signals.levels(1.0, "m/s2") == pytest.approx(120)
+    assert signals.levels(1.0, "m/s") == pytest.approx(180)
+
+
+def test_weighting_agrees_with_the_table_of_the_standard():
+    for nominal, factor in WK.items():
+        exact = 10 ** (round(10 * np.log10(nominal)) / 10)
+        # The table is rounded and its frequencies are nominal ones: up to 1 %.
+        assert signals.weighting_wk([exact])[0] == pytest.approx(factor, rel=0.01)
+    found = signals.weighted_rms(TIME, 2 * np.sin(2 * np.pi * 8 * TIME))
+    assert found == pytest.approx(np.sqrt(2) * signals.weighting_wk([8.0])[0], rel=2e-3)
+
+
+def write_csv(path, text):
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_units_are_those_in_the_names(tmp_path):
+    rows = "".join(f"{i},{i % 5},{i % 7}\n" for i in range(40))
+    path = write_csv(tmp_path / "a.csv", "time_ms,a1_g,v_mm_s\n" + rows)
+    one = measured.load(f"{path}:a1_g")
+    assert one.unit == "m/s2" and one.values[3] == pytest.approx(3 * 9.80665)
+    assert one.time[-1] == pytest.approx(0.039) and not one.remarks[1:]
+    assert measured.load(f"{path}:v_mm_s").values[6] == pytest.approx(6e-3)
+    with pytest.raises(read.Unreadable, match="a1_g, v_mm_s: choose one"):
+        measured.load(path)
+    with pytest.raises(read.Unreadable, match="has no column b"):
+        measured.load(f"{path}:b")
+    odd = write_csv(tmp_path / "b.csv", "time_s,level\n" + "".join(f"{i},1\n" for i in range(9)))
+    with pytest.raises(read.Unreadable, match="unit of column level is unknown"):
+        measured.load(odd)
+
+
+def test_faults_of_a_measurement_are_stated_and_mended(tmp_path):
+    time = [0.01 * i for i in range(200) if not 50 <= i < 60]
+    values = [np.sin(0.3 * i) for i in range(len(time))]
+    values[20] = float("nan")
+    values[100:105] = [2.5] * 5
+    rows = "".join(f"{t},{v}\n" for t, v in zip(time, values))
+    found = measured.load(write_csv(tmp_path / "a.csv", "time_s,a_m_s2\n" + rows))
+    text = " ".join(found.remarks)
+    for words in ("1 of 190 samples were not numbers", "5 samples equal the extreme value 2.5",
+                  "gaps, the longest of 0.11 s at 0.49 s"):
+        assert words in text
+    assert np.isfinite(found.values).all() and signals.step_of(found.time) == pytest.approx(0.01)
+    assert len(found.time) == 200
+    with pytest.raises(read.Unreadable, match="ascending time"):
+        measured.load(write_csv(tmp_path / "c.csv", "time_s,a_g\n0,1\n1,2\n1,3\n2,4\n"))
+
+
+def test_files_of_matlab_and_sound(tmp_path):
+    scipy.io.savemat(tmp_path / "a.mat", {"time_s": TIME, "force_kN": np.sin(TIME)})
+    assert measured.load(tmp_path / "a.mat").values[500] == pytest.approx(1e3 * np.sin(0.5))
+    scipy.io.wavfile.write(tmp_path / "a.wav", 1000, np.full(100, 16384, dtype=np.int16))
+    found = measured.load(f"{tmp_path / 'a.wav'}:50_m_s2")
+    assert found.unit == "m/s2" and found.values[5] == pytest.approx(25)
+    with pytest.raises(read.Unreadable, match="state its value and unit"):
+        measured.load(tmp_path / "a.wav")
+
+
+@pytest.fixture(name="run")
+def run_of_a_track(tmp_path):
+    """Two places; the second moves three times as much."""
+    values = np.sin(2 * np.pi * 20 * TIME)[:, None] * [1.0, 3.0]
+    store(tmp_path / "results.h5", {"history/time": (TIME, "s"),
+                                    "history/sleeper/acceleration": (values, "m/s2"),
+                                    "history/body/roll": (TIME, "rad")},
+          version="0", ranks=1, deck="")
+    return tmp_path
+
+
+def test_figure_and_table_show_the_strongest_place_beside_a_measurement(run):
+    other = write_csv(run / "m.csv", "time_s,a_m_s2\n" + "".join(
+        f"{t:.6f},{2 * np.cos(2 * np.pi * 20 * t):.8f}\n" for t in TIME))
+    script = [sys.executable, vibration.__file__, str(run), "sleeper/acceleration", "-o",
+              str(run / "out")]
+    ran = subprocess.run([*script, "--measured", str(other)], check=True, capture_output=True,
+                         text=True)
+    assert "place 1" in ran.stdout and "the linear trend was removed" in ran.stdout
+    assert (run / "out/vibration.png").stat().st_size > 10000
+    rows = (run / "out/vibration.csv").read_text(encoding="utf-8").splitlines()
+    assert rows[0] == "midband_Hz,rms_0,level_0_dB,rms_1,level_1_dB"
+    at_20 = next(row for row in rows if row.startswith("19.95")).split(",")
+    # The window spreads a line over 5 Hz: the band, 4.6 Hz wide, lacks 0.5 % of its energy.
+    assert float(at_20[1]) == pytest.approx(3 / np.sqrt(2), rel=4e-3)
+    assert float(at_20[3]) == pytest.approx(2 / np.sqrt(2), rel=4e-3)
+    assert float(at_20[2]) == pytest.approx(20 * np.log10(float(at_20[1]) / 1e-6), abs=0.01)
+    for words, message in ((["--place", "2"], "has the places 0 to 1"),
+                           (["--cut-off", "-1"], "must be above 0 Hz"),
+                           (["--measured", str(run / "none.csv")], "does not exist")):
+        ran = subprocess.run([*script, *words], check=False, capture_output=True, text=True)
+        assert ran.returncode == 2 and message in ran.stderr
+    script[3] = "body/roll"
+    ran = subprocess.run(script, check=False, capture_output=True, text=True)
+    assert ran.returncode == 2 and "is in rad" in ran.stderr
+
+
+def test_only_the_last_passage_counts(run):
+    with h5py.File(run / "results.h5", "a") as file:
+        assert "history/stage" not in file
+    assert vibration.rows_of_passage(read.datasets(run), run) == slice(None)
