@@ -1,5 +1,5 @@
-"""Measured signals: CSV, WAV and MAT files as evenly sampled arrays in SI units, with what was found
-or changed on the way.
+"""Measured signals: CSV, WAV and MAT files as evenly sampled arrays in SI units, with remarks on
+their faults.
 
     signal = measured.load("sensor.csv:a2_g")     # column a2_g; without :NAME the only one
     signal.time, signal.values, signal.unit       # s; SI

@@ -239,6 +239,19 @@ def _results(file_path, file):
                  for name in _in_order(surfaces, deck)})
 
 
+def origin(path):
+    """(what wrote a results.h5, its deck as a dictionary, the deck's text)."""
+    file_path = _place(path, "results.h5")
+    with _opened(file_path) as file:
+        if "deck" not in file.attrs:
+            raise Unreadable(f"{file_path} is not a results.h5 of trackbed")
+        text = _text(file.attrs["deck"])
+        words = f"trackbed {_text(file.attrs['version'])}"
+        if "build" in file.attrs:
+            words += f", {_text(file.attrs['build'])}"
+        return words, tomllib.loads(text), text
+
+
 def datasets(path):
     """Every dataset of an HDF5 file, or of results.h5 in a folder, by its path, as a Quantity;
     missing labels are empty. Axes of histories and envelopes are left out, except those of all:

@@ -1,0 +1,222 @@
+#!/usr/bin/env python3
+"""Writes one HTML file of a run, or of two side by side: what was modelled, stages, warnings,
+figures, numbers, balances and cost. It needs no other file and can be sent as it is.
+
+    report.py RESULT_DIR [OTHER_DIR] -o FILE.html
+
+Figures and numbers are those of the scripts for this kind of run (transition.py, figures.py,
+train_figures.py, track_figures.py). While a run goes on, the report shows what its histories hold
+up to now; stages, balances and cost follow when summary.json exists.
+"""
+import argparse
+import base64
+import html
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import read
+import write
+
+HERE = pathlib.Path(__file__).resolve().parent
+MIME = {".png": "image/png", ".gif": "image/gif"}
+
+STYLE = """
+body { font-family: sans-serif; margin: 2em auto; max-width: 70em; color: #222; }
+table { border-collapse: collapse; margin: 1em 0; }
+td, th { border-bottom: 1px solid #bbb; padding: 0.2em 0.8em; text-align: right; }
+td:first-child, th:first-child { text-align: left; }
+img { max-width: 100%; border: 1px solid #ddd; }
+pre { background: #f4f4f4; padding: 0.8em; overflow-x: auto; }
+.warning { border-left: 0.4em solid #b00; padding-left: 0.8em; }
+"""
+
+
+class Run:
+    """What the report needs of one result folder."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+        self.origin, self.deck, self.text = read.origin(self.folder)
+        summary = self.folder / "summary.json"
+        self.summary = json.loads(summary.read_text(encoding="utf-8")) if summary.is_file() else {}
+
+    @property
+    def name(self):
+        return self.folder.resolve().name
+
+    def state(self):
+        if not self.summary:
+            return "goes on, or was stopped by force: no summary.json"
+        return "finished" if self.summary["finished"] else "stopped early"
+
+
+def is_track_alone(run):
+    return run.deck.get("model") in ("track", "track_on_ground")
+
+
+def has_train(run):
+    return any(stage.get("train") for stage in run.deck.get("stage", []))
+
+
+def scripts_for(runs):
+    """Command lines without -o, for the kind of the first run."""
+    folders = [str(run.folder) for run in runs]
+    if is_track_alone(runs[0]):
+        return [["track_figures.py", folder] for folder in folders]
+    if runs[0].deck.get("model") == "ground":
+        return [["figures.py", *folders]]
+    found = [["figures.py", *folders]]
+    if has_train(runs[0]):
+        found = [["train_figures.py", folder] for folder in folders]
+        if runs[0].deck.get("dimension") == "plane":
+            found.insert(0, ["transition.py", *folders])
+    return found
+
+
+def drawn(words, folder):
+    """Runs a script; (its pictures, its text, or why it has none)."""
+    folder.mkdir()
+    ran = subprocess.run([sys.executable, str(HERE / words[0]), *words[1:], "-o", str(folder)],
+                         capture_output=True, text=True, check=False,
+                         env={**os.environ, "MPLBACKEND": "Agg"})
+    pictures = sorted(path for path in folder.iterdir() if path.suffix in MIME)
+    return pictures, ran.stdout, ran.stderr.strip() if ran.returncode else ""
+
+
+def element(tag, text, **attributes):
+    words = "".join(f' {name}="{html.escape(value)}"' for name, value in attributes.items())
+    return f"<{tag}{words}>{html.escape(text)}</{tag}>"
+
+
+def embedded(path):
+    data = base64.b64encode(path.read_bytes()).decode()
+    return f'<img alt="{html.escape(path.stem)}" src="data:{MIME[path.suffix]};base64,{data}">'
+
+
+def table(head, rows):
+    lines = ["<tr>" + "".join(element("th", one) for one in head) + "</tr>"]
+    lines += ["<tr>" + "".join(element("td", str(one)) for one in row) + "</tr>" for row in rows]
+    return "<table>" + "\n".join(lines) + "</table>"
+
+
+def number(value):
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def side_by_side(runs, of):
+    """Rows of a table: the names that `of` gives of each run, and the values of all runs."""
+    values = [of(run) for run in runs]
+    names = dict.fromkeys(name for one in values for name in one)
+    return [[name, *(number(one.get(name, "")) for one in values)] for name in names]
+
+
+def facts_of(run):
+    summary = run.summary
+    found = {"state": run.state(), "written by": run.origin,
+             "title of the deck": run.deck.get("title", "")}
+    if summary:
+        found |= {"deck": summary["deck"], "model": summary["model"], "ranks": summary["ranks"],
+                  "simulated time, s": summary["simulated_time_s"],
+                  "wall time, s": summary["wall_time_s"],
+                  "memory of a rank, MB": summary["memory_mb_per_rank"]}
+    for name, count in (("particles", "stones"), ("pieces", "pieces of stones")):
+        if name in summary.get("dem", {}):
+            found[count] = summary["dem"][name]
+    if "elements" in summary.get("ground", {}):
+        found |= {"elements of the ground": summary["ground"]["elements"],
+                  "unknowns of the ground": summary["ground"]["unknowns"]}
+    return found
+
+
+def balances_of(run):
+    found = {f"coupling, relative imbalance of {name}": value
+             for name, value in run.summary.get("coupling", {}).items()
+             if isinstance(value, float)}
+    found |= {f"energy of the stones, {name}, J": value
+              for name, value in run.summary.get("energy", {}).items()
+              if isinstance(value, float)}
+    return found
+
+
+def cost_of(run):
+    return {f"{name}, s": phase["mean_s"]
+            for name, phase in run.summary.get("timers", {}).items()}
+
+
+def stages_of(run):
+    """Heading and rows of the stages of a run."""
+    columns = {"name": "stage", "time_s": "end, s", "duration_s": "duration, s",
+               "particles": "stones", "bulk_density_kg_m3": "bulk density, kg/m3",
+               "settlement_m": "settlement, m", "wall_time_s": "wall time, s"}
+    stages = run.summary.get("stages", [])
+    shown = [key for key in columns if any(key in stage for stage in stages)]
+    return [columns[key] for key in shown], [[number(stage.get(key, "")) for key in shown]
+                                             for stage in stages]
+
+
+def warnings_of(runs):
+    lines = [element("p", f"{run.name}: {one}", **{"class": "warning"})
+             for run in runs for one in run.summary.get("warnings", [])]
+    return "\n".join(lines) or element("p", "None." if any(run.summary for run in runs)
+                                       else "Known when the run has ended.")
+
+
+def figures_of(runs, folder):
+    """Pictures and printed numbers of each script."""
+    parts = []
+    for i, words in enumerate(scripts_for(runs)):
+        pictures, text, problem = drawn(words, folder / str(i))
+        names = ", ".join(pathlib.Path(one).resolve().name for one in words[1:])
+        parts.append(element("h3", f"{words[0]}: {names}"))
+        parts += [embedded(path) for path in pictures]
+        if text:
+            parts.append(element("pre", text))
+        if problem:
+            parts.append(element("p", f"No further figures: {problem}"))
+    return "\n".join(parts)
+
+
+def page(runs, folder):
+    head = ["", *(run.name for run in runs)]
+    parts = [element("h1", " and ".join(run.name for run in runs)),
+             table(head, side_by_side(runs, facts_of)),
+             element("h2", "Warnings"), warnings_of(runs),
+             element("h2", "Figures and numbers"), figures_of(runs, folder)]
+    for run in runs:
+        heading, rows = stages_of(run)
+        if rows:
+            parts += [element("h2", f"Stages of {run.name}"), table(heading, rows)]
+    for title, of in (("Balances at the end", balances_of), ("Cost, mean over the ranks", cost_of)):
+        rows = side_by_side(runs, of)
+        if rows:
+            parts += [element("h2", title), table(head, rows)]
+    parts.append(element("h2", "Effective input"))
+    for run in runs:
+        parts.append(f"<details>{element('summary', run.name)}{element('pre', run.text)}</details>")
+    title = element("title", "trackbed: " + " and ".join(run.name for run in runs))
+    return (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">{title}'
+            f"<style>{STYLE}</style></head>\n<body>\n" + "\n".join(parts) + "\n</body></html>\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("results", type=pathlib.Path, nargs="+")
+    parser.add_argument("-o", dest="file", required=True, type=pathlib.Path)
+    given = parser.parse_args()
+    if len(given.results) > 2:
+        raise read.Unreadable("give one or two result folders")
+    runs = [Run(folder) for folder in given.results]
+    if len({is_track_alone(run) for run in runs}) > 1:
+        raise read.Unreadable("a track without stones and a bed of stones cannot be compared")
+    write.folder(given.file.resolve().parent)
+    with tempfile.TemporaryDirectory() as folder:
+        write.whole(given.file, page(runs, pathlib.Path(folder)).encode())
+    print(f"{given.file}: {given.file.stat().st_size / 1e6:.1f} MB")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,109 @@
+"""The report of one run and of two: complete, well formed and without other files."""
+import html.parser
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import read
+import report
+from made import store
+
+VOID = {"meta", "img"}
+
+
+class Page(html.parser.HTMLParser):
+    """Text of each element, sources of images; fails if elements are not closed in order."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.text, self.sources = [], {}, []
+        self.feed(text)
+        self.close()
+        assert not self.open
+
+    def handle_starttag(self, tag, attrs):
+        self.sources += [value for name, value in attrs if name in ("src", "href")]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        for tag in self.open[-1:]:
+            self.text.setdefault(tag, []).append(data)
+
+
+def made(folder, ended=True, deck='title = "5 < 6"\nmodel = "track"\n[track]\nlength = 20\n'):
+    """A track under seat loads, as track_figures.py draws it."""
+    folder.mkdir()
+    time = np.arange(0, 0.2, 1e-3)
+    ones = np.ones((len(time), 1))
+    store(folder / "results.h5",
+          {"history/time": (time, "s"), "sleepers/x": (np.array([4.2]), "m"),
+           "rail/x": (np.array([4.2]), "m"),
+           "history/sleeper/displacement": (-1e-3 * ones, "m"),
+           "history/sleeper/acceleration": (0 * ones, "m/s2"),
+           "history/sleeper/seat_force": (5e3 * ones, "N"),
+           "envelope/x": (np.array([4.2, 4.8]), "m"),
+           **{f"envelope/{name}": (np.array([-1e-3, 2e-3]), "m") for name in (
+               "rail/displacement_min", "rail/displacement_max", "sleeper/displacement_min",
+               "sleeper/displacement_max", "sleeper/seat_force_max")}},
+          deck=deck, version="0.1.0", build="commit abc", ranks=1)
+    if ended:
+        (folder / "summary.json").write_text(json.dumps(
+            {"deck": "a.toml", "model": "track", "finished": True, "ranks": 1,
+             "simulated_time_s": 0.2, "wall_time_s": 1.5, "memory_mb_per_rank": 20.0,
+             "warnings": ["wheels lost contact in 3 % & more"],
+             "stages": [{"name": "passage", "time_s": 0.2, "wall_time_s": 1.25}],
+             "timers": {"track": {"min_s": 1, "mean_s": 1.125, "max_s": 2}}}), encoding="utf-8")
+    return folder
+
+
+def write_report(folder, *runs):
+    ran = subprocess.run([sys.executable, report.__file__, *map(str, runs), "-o",
+                          str(folder / "out/report.html")], capture_output=True, text=True,
+                         check=False)
+    return ran, folder / "out/report.html"
+
+
+def test_report_of_two_runs_needs_no_other_file(tmp_path):
+    ran, path = write_report(tmp_path, made(tmp_path / "one"), made(tmp_path / "two", ended=False))
+    assert ran.returncode == 0, ran.stderr
+    page = Page(path.read_text(encoding="utf-8"))
+    cells = page.text["td"]
+    for cell in ("finished", "goes on, or was stopped by force: no summary.json", "5 < 6",
+                 "trackbed 0.1.0, commit abc", "1.5", "passage", "1.25", "track, s", "1.125"):
+        assert cell in cells, cell
+    assert any("one: wheels lost contact in 3 % & more" in text for text in page.text["p"])
+    assert page.sources and all(source.startswith("data:image/") for source in page.sources)
+    assert {"track_figures.py: one", "track_figures.py: two"} <= set(page.text["h3"])
+    assert any("sleeper at 4.2 m, down" in text for text in page.text["pre"])
+
+
+def test_figures_that_cannot_be_drawn_are_named(tmp_path):
+    bed = 'dimension = "plane"\n[[stage]]\nname = "train"\ntrain = true\n'
+    run = report.Run(made(tmp_path / "one", deck=bed))
+    assert [words[0] for words in report.scripts_for([run])] == ["transition.py",
+                                                                 "train_figures.py"]
+    ran, path = write_report(tmp_path, run.folder)
+    assert ran.returncode == 0 and "No further figures: " in path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("deck, script", [('model = "ground"\n', "figures.py"),
+                                          ('dimension = "space"\n', "figures.py"),
+                                          ('model = "track_on_ground"\n', "track_figures.py")])
+def test_scripts_follow_from_the_model(tmp_path, deck, script):
+    run = report.Run(made(tmp_path / "one", deck=deck))
+    assert [words[0] for words in report.scripts_for([run])] == [script]
+
+
+def test_unlike_runs_and_other_files_are_refused(tmp_path):
+    one, bed = made(tmp_path / "one"), made(tmp_path / "bed", deck='dimension = "plane"\n')
+    ran, _ = write_report(tmp_path, one, bed)
+    assert ran.returncode == 2 and "cannot be compared" in ran.stderr
+    store(bed / "results.h5", {}, version="0")
+    with pytest.raises(read.Unreadable, match="not a results.h5"):
+        report.Run(bed)
