@@ -2,7 +2,13 @@
 #   cmake -DSOURCE=<folder> -DHEADER=<file> -P commit.cmake
 set(commit "unknown")
 find_program(GIT git)
+# Not that of another repository in which an unpacked source lies.
 if(GIT)
+  execute_process(COMMAND ${GIT} -C ${SOURCE} rev-parse --show-toplevel OUTPUT_VARIABLE top
+                  ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE)
+  file(REAL_PATH ${SOURCE} source)
+endif()
+if(GIT AND top STREQUAL source)
   # --always: without tags, the abbreviated hash; --dirty: with uncommitted changes.
   execute_process(COMMAND ${GIT} -C ${SOURCE} describe --always --dirty=-changed --exclude=*
                   OUTPUT_VARIABLE found ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE

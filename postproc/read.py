@@ -123,15 +123,16 @@ def _quantity(dataset):
     return Quantity(dataset[()], _text(dataset.attrs["units"]), _text(dataset.attrs["long_name"]))
 
 
-def _is_axis(dataset):
-    """Whether it labels the rows or columns of others in its group, as netCDF's readers expect."""
-    return h5py.h5ds.is_scale(dataset.id)
+def _is_axis(path, dataset):
+    """Whether it only labels the rows or columns of others in its group, as netCDF's readers
+    expect: an axis, or positions that occur twice and therefore are none."""
+    return h5py.h5ds.is_scale(dataset.id) or (path.endswith("/x") and "/wheel/" not in path)
 
 
 def _quantities(file, group):
     """The datasets of a group without their axes."""
     return {name: _quantity(dataset) for name, dataset in file[group].items()
-            if not _is_axis(dataset)} if group in file else {}
+            if not _is_axis(f"{group}/{name}", dataset)} if group in file else {}
 
 
 def _of_places(file, group):
@@ -254,8 +255,9 @@ def origin(path):
 
 def datasets(path):
     """Every dataset of an HDF5 file, or of results.h5 in a folder, by its path, as a Quantity;
-    missing labels are empty. Axes of histories and envelopes are left out, except those of all:
-    history/time, sleepers/x and the like."""
+    missing labels are empty. The axes within groups of histories and envelopes (history/sleeper/x)
+    are left out, since they repeat history/time, sleepers/x, ground/x, rail/x and envelope/x, or
+    are numbers."""
     found = {}
 
     def see(group):  # visititems would give a dataset with several names only once
@@ -264,7 +266,7 @@ def datasets(path):
                 see(item)
             elif isinstance(item, h5py.Dataset):
                 path = item.name.lstrip("/")
-                if path.count("/") > 1 and _is_axis(item):
+                if path.count("/") > 1 and _is_axis(path, item):
                     continue
                 label = (_text(item.attrs.get(key, "")) for key in ("units", "long_name"))
                 found[path] = Quantity(item[()], *label)

@@ -19,15 +19,22 @@ std::string subject_of(const std::string& path, std::size_t dimension) {
 
 }  // namespace
 
-void File::set_axis(const std::string& path, std::size_t dimension, const std::string& axis) {
-  const Dataset dataset = open_dataset(*handle_, path), scale = open_dataset(*handle_, axis);
-  if (has_axis(path, dimension)) return;
-  const hid_t id = dataset.id.get(), of = scale.id.get();
-  // Its name is that of the dimension for readers of netCDF, which take it from the path, too.
+// The name of an axis is that of the dimension for readers of netCDF, which take it from the path,
+// too.
+void File::make_axis(const std::string& axis) {
+  const Dataset dataset = open_dataset(*handle_, axis);
+  const hid_t id = dataset.id.get();
   const std::string name = axis.substr(axis.rfind('/') + 1);
-  const bool ok = (H5DSis_scale(of) > 0 || H5DSset_scale(of, name.c_str()) >= 0) &&
-                  H5DSattach_scale(id, of, static_cast<unsigned>(dimension)) >= 0;
-  handle_->agree(ok, subject_of(path, dimension), "cannot have the axis " + axis);
+  handle_->agree(H5DSis_scale(id) > 0 || H5DSset_scale(id, name.c_str()) >= 0, "dataset " + axis,
+                 "cannot become an axis");
+}
+
+void File::set_axis(const std::string& path, std::size_t dimension, const std::string& axis) {
+  make_axis(axis);
+  const Dataset dataset = open_dataset(*handle_, path), scale = open_dataset(*handle_, axis);
+  handle_->agree(
+      H5DSattach_scale(dataset.id.get(), scale.id.get(), static_cast<unsigned>(dimension)) >= 0,
+      subject_of(path, dimension), "cannot have the axis " + axis);
 }
 
 bool File::has_axis(const std::string& path, std::size_t dimension) const {

@@ -1,8 +1,6 @@
 // Axes of the histories and envelopes, as readers of netCDF expect them: in each group a dataset
 // `time` (one and the same in all groups) and one for the columns: their positions along the track
 // where these do not change, or their numbers from 0.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <numeric>
 
@@ -12,84 +10,106 @@ namespace trackbed::observe {
 
 namespace {
 
-// Axis of the columns of a dataset. The first row with this beginning of the path applies.
+// Axis of the columns of the datasets `name` (empty: all) in a group or in the groups below it. The
+// first row that fits applies.
 struct ColumnAxis {
-  const char* of;
+  const char *group, *name;
   // Positions, m, of which the first with one number per column becomes the axis `x`.
   std::array<const char*, 2> positions;
-  const char* numbers;  // name of the axis without positions
-  const char* meaning;
+  const char* numbers;  // name of the axis without positions, or where a position occurs twice
+  const char* order;    // of the columns
 };
 
-constexpr const char* of_axes = "x y z, of a quaternion x y z w";
-constexpr const char* plain = "number, from 0";
 constexpr std::array<const char*, 2> none{"", ""};
+constexpr const char* along = "along the track; on two rails left before right of each place";
+constexpr const char* of_sleepers = "sleeper by sleeper, left before right";
+constexpr const char* of_cells = "xx yy zz xy xz yz of the first cell, then of the next";
 
 constexpr std::array column_axes = {
-    ColumnAxis{"history/sleeper/moment", none, "place", "sleeper by sleeper, from left to right"},
-    ColumnAxis{"history/sleeper", {"sleepers/x", ""}, "seat", plain},
-    ColumnAxis{"history/ground", {"ground/x", "sleepers/x"}, "place", plain},
-    ColumnAxis{"history/rail/force", none, "force_number", plain},
-    ColumnAxis{"history/rail", {"rail/x", "sleepers/x"}, "seat", "left before right"},
-    ColumnAxis{"history/wheel", none, "wheel", plain},
-    ColumnAxis{"history/body", none, "vehicle", plain},
-    ColumnAxis{"history/seat", none, "seat", "left before right"},
-    ColumnAxis{"history/solid/bending_stress", none, "place", "seats, then middles of sleepers"},
-    ColumnAxis{"history/solid", none, "seat", "left before right"},
-    ColumnAxis{"history/region", none, "cell",
-               "x fastest, then y; six values of a tensor for each"},
-    ColumnAxis{"history", none, "component", of_axes},
-    ColumnAxis{"envelope/ground", {"ground/x", ""}, "place", plain},
-    ColumnAxis{"envelope", {"envelope/x", "sleepers/x"}, "place", plain},
-    ColumnAxis{"extreme", {"rail/x", ""}, "place", plain}};
+    ColumnAxis{
+        "history/sleeper", "moment", none, "section",
+        "of each sleeper: below the left rail, in the middle, below the right rail, if whole"},
+    ColumnAxis{"history/sleeper", "", {"sleepers/x", ""}, "place", along},
+    ColumnAxis{"history/ground", "", {"ground/x", "sleepers/x"}, "place", along},
+    ColumnAxis{"history/rail", "force", none, "force_number", "as [[force]] in the deck"},
+    ColumnAxis{"history/rail", "", {"rail/x", "sleepers/x"}, "place", along},
+    ColumnAxis{"history/wheel", "", none, "wheel", "front first; on two rails left before right"},
+    ColumnAxis{"history/body", "", none, "vehicle", "front first"},
+    ColumnAxis{"history/seat", "", none, "place", of_sleepers},
+    ColumnAxis{"history/solid", "bending_stress", none, "section",
+               "of each sleeper: below its seats in the order of the deck, then in its middle"},
+    ColumnAxis{"history/solid", "", none, "solid_seat",
+               "of each sleeper: its seats in the order of the deck"},
+    ColumnAxis{"history/region", "stress", none, "cell_component", of_cells},
+    ColumnAxis{"history/region", "fabric", none, "cell_component", of_cells},
+    ColumnAxis{"history/region", "", none, "cell", "x fastest, then y"},
+    ColumnAxis{"history", "attitude", none, "quaternion", "x y z w"},
+    ColumnAxis{"history", "", none, "component", "x y z"},
+    ColumnAxis{"envelope/ground", "", {"ground/x", ""}, "place", along},
+    ColumnAxis{"envelope", "", {"envelope/x", "sleepers/x"}, "place", along},
+    ColumnAxis{"extreme", "", {"rail/x", ""}, "place", along}};
 
-const ColumnAxis& column_axis_of(const std::string& path) {
-  return *std::find_if(column_axes.begin(), column_axes.end(),
-                       [&](const ColumnAxis& one) { return path.starts_with(one.of); });
+// "history/wheel/" and "force" of "history/wheel/force".
+struct Place {
+  std::string group, name;
+  explicit Place(const std::string& path)
+      : group(path.substr(0, path.rfind('/') + 1)), name(path.substr(path.rfind('/') + 1)) {}
+};
+
+const ColumnAxis& column_axis_of(const Place& at) {
+  return *std::find_if(column_axes.begin(), column_axes.end(), [&](const ColumnAxis& one) {
+    return at.group.starts_with(std::string(one.group) + "/") &&
+           (*one.name == 0 || at.name == one.name);
+  });
 }
 
-bool has_length(const io::File& file, const std::string& path, std::size_t length) {
-  return file.has(path) && file.extent(path).at(0) == length;
+// Positions of `length` columns, or nothing.
+std::string positions_of(const io::File& file, const ColumnAxis& of, std::size_t length) {
+  for (const char* path : of.positions)
+    if (*path != 0 && file.has(path) && file.extent(path).at(0) == length) return path;
+  return "";
 }
 
-// The dataset that is the axis `name` of `group`: the same as `source`, or numbers if it is empty.
-// Datasets of a group with different numbers of columns have different axes.
-std::string axis_in(const par::Comm& comm, io::File& file, const std::string& path,
-                    const std::string& source, const ColumnAxis& of, std::size_t length) {
-  const std::size_t slash = path.rfind('/');
-  const std::string group = path.substr(0, slash + 1);
-  if (!source.empty()) {
-    const std::string axis = group + source.substr(source.rfind('/') + 1);
-    if (!file.has(axis)) file.link(axis, source);
-    if (has_length(file, axis, length)) return axis;
-  }
-  std::string axis = group + of.numbers;
-  if (file.has(axis) && !has_length(file, axis, length)) axis += "_of_" + path.substr(slash + 1);
-  if (!file.has(axis)) {
-    std::vector<std::int64_t> numbers(comm.root() ? length : 0);
-    std::iota(numbers.begin(), numbers.end(), 0);
-    file.write<std::int64_t>(axis, numbers, 1, {"-", of.meaning});
-  }
-  return axis;
+// A coordinate must be unique to select by it.
+bool is_unique(const io::File& file, const std::string& positions) {
+  std::vector<double> x = file.read_all<double>(positions);
+  std::sort(x.begin(), x.end());
+  return std::adjacent_find(x.begin(), x.end()) == x.end();
 }
 
+std::string link_in(io::File& file, const std::string& group, const std::string& source) {
+  std::string path = group + Place(source).name;
+  if (!file.has(path)) file.link(path, source);
+  return path;
+}
+
+std::string numbers_in(const par::Comm& comm, io::File& file, const std::string& group,
+                       const ColumnAxis& of, std::size_t length) {
+  std::string path = group + of.numbers;
+  if (file.has(path)) return path;
+  std::vector<std::int64_t> numbers(comm.root() ? length : 0);
+  std::iota(numbers.begin(), numbers.end(), 0);
+  file.write<std::int64_t>(path, numbers, 1, {"-", std::string("number from 0: ") + of.order});
+  return path;
+}
+
+// Positions that occur twice are not the axis but have the same axis as the columns. A single
+// column has no dimension of its own; its position is in the group all the same.
 void set_column_axis(const par::Comm& comm, io::File& file, const std::string& path,
                      std::size_t dimension, std::size_t length) {
-  const ColumnAxis& of = column_axis_of(path);
-  std::string source;
-  for (const char* positions : of.positions)
-    if (source.empty() && *positions != 0 && has_length(file, positions, length))
-      source = positions;
-  file.set_axis(path, dimension, axis_in(comm, file, path, source, of, length));
-}
-
-void set_axes_of_history(const par::Comm& comm, io::File& file, const std::string& path) {
-  if (file.has_axis(path, 0)) return;
-  const std::string time = path.substr(0, path.rfind('/')) + "/time";
-  if (!file.has(time)) file.link(time, "history/time");
-  file.set_axis(path, 0, time);
-  const std::size_t width = file.extent(path).at(1);
-  if (width > 1) set_column_axis(comm, file, path, 1, width);
+  const Place at(path);
+  const ColumnAxis& of = column_axis_of(at);
+  const std::string source = positions_of(file, of, length);
+  const std::string x = source.empty() ? "" : link_in(file, at.group, source);
+  const bool single = length == 1 && dimension == 1;
+  if (!x.empty() && is_unique(file, source)) {
+    file.make_axis(x);
+    if (!single) file.set_axis(path, dimension, x);
+  } else if (!single) {
+    const std::string numbers = numbers_in(comm, file, at.group, of, length);
+    file.set_axis(path, dimension, numbers);
+    if (!x.empty() && !file.has_axis(x, 0)) file.set_axis(x, 0, numbers);
+  }
 }
 
 }  // namespace
@@ -101,23 +121,40 @@ std::vector<std::string> members(const io::File& file, const std::string& group)
   return paths;
 }
 
+// Links to positions that are no axes, as they occur twice, are those of `column_axes`.
 std::vector<std::string> columns(const io::File& file, const std::string& group) {
   std::vector<std::string> paths = members(file, group);
-  std::erase_if(paths, [&](const std::string& path) { return file.is_axis(path); });
+  std::erase_if(paths, [&](const std::string& path) {
+    return file.is_axis(path) || (path.ends_with("/x") && !path.starts_with("history/wheel/"));
+  });
   return paths;
+}
+
+void set_axes_of_history(const par::Comm& comm, io::File& file, const std::string& path) {
+  if (path == "history/time") return file.make_axis(path);
+  const Place at(path);
+  const std::string time =
+      at.group == "history/" ? "history/time" : link_in(file, at.group, "history/time");
+  file.set_axis(path, 0, time);
+  if (at.group != "history/") set_column_axis(comm, file, path, 1, file.extent(path).at(1));
+}
+
+void set_axis_of_envelope(const par::Comm& comm, io::File& file, const std::string& path) {
+  set_column_axis(comm, file, path, 0, file.extent(path).at(0));
 }
 
 void set_axes(const par::Comm& comm, io::File& file) {
   if (!file.has("history/time")) return;
-  std::vector<std::string> groups(plain_histories.begin(), plain_histories.end());
+  for (const char* path : {"history/time", "history/stage"})
+    if (file.has(path)) set_axes_of_history(comm, file, path);
+  const auto of_group = [&](const std::string& group, const auto& set) {
+    for (const std::string& path : columns(file, group)) set(comm, file, path);
+  };
+  for (const char* group : plain_histories) of_group(group, set_axes_of_history);
   for (const char* list : named_histories)
-    for (const std::string& group : members(file, list)) groups.push_back(group);
-  if (file.has("history/stage")) file.set_axis("history/stage", 0, "history/time");
-  for (const std::string& group : groups)
-    for (const std::string& path : columns(file, group)) set_axes_of_history(comm, file, path);
+    for (const std::string& group : members(file, list)) of_group(group, set_axes_of_history);
   for (const char* group : {"envelope/sleeper", "envelope/ground", "envelope/rail", "extreme/rail"})
-    for (const std::string& path : columns(file, group))
-      if (!file.has_axis(path, 0)) set_column_axis(comm, file, path, 0, file.extent(path).at(0));
+    of_group(group, set_axis_of_envelope);
 }
 
 }  // namespace trackbed::observe

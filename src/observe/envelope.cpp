@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "observe/impl.hpp"
+#include "observe/layout.hpp"
 
 namespace trackbed::observe {
 
@@ -110,10 +111,12 @@ void Results::envelope(std::int64_t stage) {
         found.emplace_back(&wanted, extremes(impl.comm, file, wanted, rows));
   }
   impl.replace([&](io::File& file) {
-    for (const auto& [wanted, values] : found)
+    for (const auto& [wanted, values] : found) {
       file.write<double>(wanted->target,
                          std::span(values).first(impl.comm.root() ? values.size() : 0), 1,
                          wanted->label);
+      set_axis_of_envelope(impl.comm, file, wanted->target);
+    }
     // A resume from an earlier checkpoint drops an envelope that includes later rows.
     file.attribute("envelope", "rows", impl.rows);
     file.attribute("envelope", "stage", stage);

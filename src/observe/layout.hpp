@@ -23,9 +23,13 @@ std::vector<std::string> members(const io::File& file, const std::string& group)
 // Without the axes of the datasets.
 std::vector<std::string> columns(const io::File& file, const std::string& group);
 
-// Gives each history and envelope that has none its axes (io::File::set_axis): time, and positions
-// or numbers of the columns, within its own group, where readers of netCDF look for them.
-// Collective.
+// Gives a history, which must not have them yet, its axes (io::File::set_axis): time, and positions
+// or numbers of the columns, within its own group, where readers of netCDF look for them. The
+// positions must be in the file. Collective.
+void set_axes_of_history(const par::Comm& comm, io::File& file, const std::string& path);
+// Its positions.
+void set_axis_of_envelope(const par::Comm& comm, io::File& file, const std::string& path);
+// Those of all histories and envelopes of a new file.
 void set_axes(const par::Comm& comm, io::File& file);
 
 }  // namespace trackbed::observe

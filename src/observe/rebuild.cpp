@@ -17,9 +17,15 @@ namespace trackbed::observe {
 
 namespace {
 
-// Unit and meaning are copied with the data.
+// Unit and meaning are copied with the data. They had other names up to November 2026; a dataset
+// that another program has added may have none.
 io::Label label_of(const io::File& file, const std::string& path) {
-  return {file.text_attribute(path, "units"), file.text_attribute(path, "long_name")};
+  const auto text = [&](const char* name, const char* former) -> std::string {
+    for (const char* one : {name, former})
+      if (file.has_attribute(path, one)) return file.text_attribute(path, one);
+    return "";
+  };
+  return {text("units", "unit"), text("long_name", "meaning")};
 }
 
 // Copies this rank's fraction of the first `rows` rows of a dataset. Collective; one append on any
@@ -95,8 +101,9 @@ auto reading(const std::string& path, F&& act) {
   } catch (const RunError& error) {  // equal on all ranks
     const std::string words = error.what(), start = path + ": ";
     const std::size_t at = words.find(start);
+    if (at == std::string::npos) throw;  // of another file
     reject(path, fmt::format("is damaged or is not a file of results ({})",
-                             at == std::string::npos ? words : words.substr(at + start.size())));
+                             words.substr(at + start.size())));
   }
 }
 
@@ -147,19 +154,24 @@ void Results::resume(const std::string& old_path, std::int64_t rows,
   if (impl.comm.broadcast(there ? "there" : "").empty()) return;
   // Under another name until it is complete.
   const std::string part = impl.path + ".part";
-  {
-    const io::File old = open_results(impl.comm, old_path);
-    io::File file(impl.comm, part, io::Mode::create);
-    impl.put_head(file);
-    copy_histories(impl.comm, old, file, wanted);
-    copy_snapshots(old, file, finished);
-    const bool with_envelope =
-        old.has("envelope") && old.integer_attribute("envelope", "rows") <= rows;
-    if (with_envelope) copy_envelope(old, file);
-    if (with_envelope)
-      file.attribute("envelope", "rows", old.integer_attribute("envelope", "rows"));
-    set_axes(impl.comm, file);
-    file.close();
+  try {
+    reading(old_path, [&] {
+      const io::File old = open_results(impl.comm, old_path);
+      io::File file(impl.comm, part, io::Mode::create);
+      impl.put_head(file);
+      copy_histories(impl.comm, old, file, wanted);
+      copy_snapshots(old, file, finished);
+      const bool with_envelope =
+          old.has("envelope") && old.integer_attribute("envelope", "rows") <= rows;
+      if (with_envelope) copy_envelope(old, file);
+      if (with_envelope)
+        file.attribute("envelope", "rows", old.integer_attribute("envelope", "rows"));
+      set_axes(impl.comm, file);
+      file.close();
+    });
+  } catch (const std::exception&) {  // the same on all ranks
+    if (impl.comm.root()) std::filesystem::remove(part, ignored);
+    throw;
   }
   impl.take_name(part);
   impl.resumed = true;

@@ -234,7 +234,6 @@ void Results::Impl::change_twin(const std::function<void(io::File&)>& change) {
     io::File file(comm, twin_path(), io::Mode::append);
     if (has_twin) append_last_to(file);
     change(file);
-    set_axes(comm, file);
     file.close();
   } catch (const RunError&) {  // the same on all ranks
     std::error_code ignored;
@@ -264,8 +263,8 @@ void Results::Impl::flush() {
 
 namespace {
 
-// Columns that were not sampled have width 0 and no dataset. All ranks have all rows; one writes
-// them.
+// Columns that were not sampled have width 0 and no dataset; a new dataset gets its axes. All ranks
+// have all rows; one writes them.
 template <class Groups>
 void append_rows(const par::Comm& comm, io::File& file, const std::vector<double>& times,
                  const std::vector<std::int64_t>& stages, const Groups& groups,
@@ -273,12 +272,17 @@ void append_rows(const par::Comm& comm, io::File& file, const std::vector<double
   const auto own = [&](const auto& values) {
     return std::span(values).first(comm.root() ? values.size() : 0);
   };
-  file.append<double>("history/time", own(times), 1, {"s", "simulated time"});
-  file.append<std::int64_t>("history/stage", own(stages), 1, {"-", "number of the stage"});
+  const auto append = [&]<class T>(const std::string& path, const std::vector<T>& values,
+                                   std::size_t width, const io::Label& label) {
+    const bool fresh = !file.has(path);
+    file.append<T>(path, own(values), width, label);
+    if (fresh) set_axes_of_history(comm, file, path);
+  };
+  append("history/time", times, 1, {"s", "simulated time"});
+  append("history/stage", stages, 1, {"-", "number of the stage"});
   for (const auto* group : groups)
     for (const Column& column : *group)
-      if (column.width > 0)
-        file.append<double>(column.path, own(column.*rows), column.width, column.label);
+      if (column.width > 0) append(column.path, column.*rows, column.width, column.label);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ def unpacked(cmake, source, build, folder):
     call(cpack, "--config", build / "CPackConfig.cmake", "-B", folder)
     package, = folder.glob("*.deb")
     fields = call("dpkg-deb", "--field", package).stdout
-    for word in ("openmpi-bin", "libhdf5", "libpetsc", "Recommends: python3-h5py"):
+    for word in ("openmpi-bin", "libhdf5", "libpetsc", "Recommends: python3-h5netcdf"):
         if word not in fields:
             raise SystemExit(f"{package} does not name {word}:\n{fields}")
     call("dpkg-deb", "--extract", package, folder / "root")
@@ -48,6 +48,20 @@ def check_origin(program, place):
     info = program.done(1, "info", place / "results.h5")
     expect(build in info.stdout, "the results state the build", info)
     return build
+
+
+def check_completion(usr):
+    """What is proposed for the last word of a line."""
+    script = usr / "share/bash-completion/completions/trackbed"
+    for line, wanted, unwanted in (
+            ("re", "resume", "run"), ("run a.toml ground.elem", "ground.elements_x=", "dem."),
+            ("run a.toml tit", "title=", "."), ("run a.toml stage.k", "", "stage.kind="),
+            ("describe irreg", "irregularity", "="), ("resume --fo", "--force", "--output")):
+        found = call("bash", "-c", f"compopt() {{ :; }}; source {script}; COMP_WORDS=(trackbed "
+                     f"{line}); COMP_CWORD={len(line.split())}; _trackbed; echo ${{COMPREPLY[@]}}",
+                     env={**os.environ, "PATH": f"{usr / 'bin'}:{os.environ['PATH']}"}).stdout
+        if wanted not in found or unwanted in found:
+            raise SystemExit(f"the completion proposes {found!r} for {line}")
 
 
 def main():
@@ -73,12 +87,8 @@ def main():
                  "share/trackbed/input.schema.json"):
         if not (usr / name).is_file():
             raise SystemExit(f"{name} is not installed")
-    script = usr / "share/bash-completion/completions/trackbed"
-    found = call("bash", "-c", f"compopt() {{ :; }}; source {script}; COMP_WORDS=(trackbed check a "
-                 "ground.elem); COMP_CWORD=3; _trackbed; echo ${COMPREPLY[@]}",
-                 env={**os.environ, "PATH": f"{usr / 'bin'}:{os.environ['PATH']}"}).stdout
-    if "ground.elements_x=" not in found or "dem." in found:
-        raise SystemExit(f"the completion proposes {found!r} for ground.elem")
+    check_completion(usr)
+
 
 
 if __name__ == "__main__":

@@ -59,8 +59,9 @@ class File {
 
   // Axes: `axis` is a dataset of one number per row or column of the dataset `path`, stored as an
   // HDF5 dimension scale, which readers of netCDF (xarray) show as the coordinate of dimension
-  // 0 (rows) or 1 (columns). A dimension keeps the axis that it has.
+  // 0 (rows) or 1 (columns), which must not have an axis yet.
   void set_axis(const std::string& path, std::size_t dimension, const std::string& axis);
+  void make_axis(const std::string& axis);  // nothing if it is one
   bool has_axis(const std::string& path, std::size_t dimension) const;
   bool is_axis(const std::string& path) const;
   // Another name for a dataset (a hard link): readers of netCDF look for axes in the group only.
