@@ -40,10 +40,22 @@ std::string open_problem(const std::string& path, Mode mode) {
   return S_ISREG(status.st_mode) ? "" : "not a regular file";
 }
 
+// HDF5 1.10 writes its changed metadata when they exceed 256 KB, also in the middle of a collective
+// write of a growing dataset, which then fails (MPI_ERR_TYPE; about 900 histories in one file).
+// This is the largest value that the library accepts, for some 100,000 datasets.
+void delay_metadata(const Hid& access) {
+  H5AC_cache_config_t config{};
+  config.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+  H5Pget_mdc_config(access.get(), &config);
+  config.dirty_bytes_threshold = 32 << 20;
+  H5Pset_mdc_config(access.get(), &config);
+}
+
 // Collective.
 Hid open_file(const par::Comm& comm, const std::string& path, Mode mode) {
   const Hid access(H5Pcreate(H5P_FILE_ACCESS));
   H5Pset_fapl_mpio(access.get(), par::mpi(comm), MPI_INFO_NULL);
+  delay_metadata(access);
   // Both bounds are set: a newer library would otherwise choose newer structures.
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
   // Results grow by append, which opens an existing file; create begins with an empty one.

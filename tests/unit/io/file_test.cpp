@@ -166,6 +166,56 @@ TEST(File, KeepsAttributes) {
 }
 
 // A semaphore left on its node by a run of Open MPI's OMPIO that was killed while it opened a file.
+TEST(File, LabelsDimensionsWithAxes) {
+  const Scratch scratch("axes");
+  const std::size_t root = world().root() ? 1 : 0;
+  {
+    File file(world(), scratch / "a.h5", Mode::create);
+    const std::vector<double> x{0.3, 0.9, 1.5}, time{0, 1};
+    file.write<double>("/places/x", std::span(x).first(root * 3), 1, label);
+    for (const char* path : {"/history/time", "/history/a", "/history/b"})
+      file.append<double>(path, std::span(time).first(root * 2), 1, label);
+    file.append<double>("/history/u", values<double>(0, root * 6), 3, label);
+    file.link("/history/x", "/places/x");
+    EXPECT_FALSE(file.is_axis("/places/x"));
+    file.set_axis("/history/u", 1, "/history/x");
+    for (const char* path : {"/history/a", "/history/b", "/history/u"})
+      file.set_axis(path, 0, "/history/time");
+    EXPECT_THROW(file.link("/history/u", "/places/x"), RunError);  // the name is taken
+    EXPECT_THROW(file.set_axis("/history/a", 0, "/history/none"), RunError);
+    file.close();
+  }
+  {
+    File file(world(), scratch / "a.h5", Mode::append);  // axes grow with their datasets
+    for (const char* path : {"/history/time", "/history/a", "/history/b"})
+      file.append<double>(path, values<double>(0, root * 2), 1, label);
+    file.close();
+  }
+  const File file(world(), scratch / "a.h5", Mode::read);
+  EXPECT_TRUE(file.is_axis("/places/x") && file.is_axis("/history/x"));
+  EXPECT_TRUE(file.is_axis("/history/time") && !file.is_axis("/history/u"));
+  EXPECT_TRUE(file.has_axis("/history/u", 0) && file.has_axis("/history/u", 1));
+  EXPECT_EQ(file.read_all<double>("/history/x"), (std::vector<double>{0.3, 0.9, 1.5}));
+  EXPECT_EQ(file.extent("/history/time").at(0), 4u);
+}
+
+// HDF5 1.10 wrote metadata in the middle of a collective write from 256 KB on, and failed.
+TEST(File, GrowsInManyDatasets) {
+  if (world().size() > 2) GTEST_SKIP() << "thousands of agreements on shared cores take minutes";
+  const Scratch scratch("many");
+  constexpr std::size_t columns = 3;
+  for (const Mode mode : {Mode::create, Mode::append}) {
+    File file(world(), scratch / "a.h5", mode);
+    for (int k = 0; k < 1200; ++k)
+      file.append<double>("/group/" + std::to_string(k), values<double>(0, 2 * columns), columns,
+                          label);
+    file.close();
+  }
+  const File file(world(), scratch / "a.h5", Mode::read);
+  const std::size_t rows = 4 * static_cast<std::size_t>(world().size());
+  EXPECT_EQ(file.extent("/group/1199"), (std::vector<std::size_t>{rows, columns}));
+}
+
 TEST(File, OpensDespiteASemaphoreOfAKilledRun) {
   const std::string name = "left_on_" + std::to_string(world().size()) + ".h5";
   const Scratch scratch("left");
