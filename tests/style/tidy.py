@@ -34,6 +34,8 @@ def main():
     root, build = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
     subprocess.run(["cmake", "-S", root, "-B", build, *CONFIGURE], check=True,
                    stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--build", build, "--target", "trackbed_commit"], check=True,
+                   stdout=subprocess.DEVNULL)  # a header that one file includes
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
     units = [command["file"] for command in commands
              if not sys.argv[3:] or any(part in command["file"] for part in sys.argv[3:])]
