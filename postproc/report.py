@@ -54,7 +54,7 @@ class Run:
         return "finished" if self.summary["finished"] else "stopped early"
 
 
-def is_track_alone(run):
+def has_no_stones(run):
     return run.deck.get("model") in ("track", "track_on_ground")
 
 
@@ -65,10 +65,8 @@ def has_train(run):
 def scripts_for(runs):
     """Command lines without -o, for the kind of the first run."""
     folders = [str(run.folder) for run in runs]
-    if is_track_alone(runs[0]):
+    if has_no_stones(runs[0]):
         return [["track_figures.py", folder] for folder in folders]
-    if runs[0].deck.get("model") == "ground":
-        return [["figures.py", *folders]]
     found = [["figures.py", *folders]]
     if has_train(runs[0]):
         found = [["train_figures.py", folder] for folder in folders]
@@ -123,9 +121,9 @@ def facts_of(run):
                   "simulated time, s": summary["simulated_time_s"],
                   "wall time, s": summary["wall_time_s"],
                   "memory of a rank, MB": summary["memory_mb_per_rank"]}
-    for name, count in (("particles", "stones"), ("pieces", "pieces of stones")):
-        if name in summary.get("dem", {}):
-            found[count] = summary["dem"][name]
+    for key, name in (("particles", "stones"), ("pieces", "pieces of stones")):
+        if key in summary.get("dem", {}):
+            found[name] = summary["dem"][key]
     if "elements" in summary.get("ground", {}):
         found |= {"elements of the ground": summary["ground"]["elements"],
                   "unknowns of the ground": summary["ground"]["unknowns"]}
@@ -210,7 +208,7 @@ def main():
     if len(given.results) > 2:
         raise read.Unreadable("give one or two result folders")
     runs = [Run(folder) for folder in given.results]
-    if len({is_track_alone(run) for run in runs}) > 1:
+    if len({has_no_stones(run) for run in runs}) > 1:
         raise read.Unreadable("a track without stones and a bed of stones cannot be compared")
     write.folder(given.file.resolve().parent)
     with tempfile.TemporaryDirectory() as folder:

@@ -45,6 +45,11 @@ class LowPass:
         return scipy.signal.sosfiltfilt(sections, values, axis=0, padtype="even")
 
 
+def _window(count):
+    """Tapers a twentieth of the record at each end."""
+    return scipy.signal.windows.tukey(count, 0.1, sym=False)
+
+
 def spectrum(time, values, resolution=0.05):
     """Amplitude spectrum along the first axis: (frequency Hz, |amplitude| in the values' unit).
 
@@ -56,7 +61,7 @@ def spectrum(time, values, resolution=0.05):
     dt = step_of(time)
     if dt is None:
         raise ValueError("a spectrum needs evenly spaced samples")
-    window = scipy.signal.windows.tukey(len(time), 0.1, sym=False)
+    window = _window(len(time))
     shape = (-1,) + (1,) * (np.ndim(values) - 1)
     centred = values - np.mean(values, axis=0)
     lines = max(len(time), int(np.ceil(1 / (resolution * dt))))
@@ -92,7 +97,7 @@ def energies(time, values):
     dt = step_of(time)
     if dt is None:
         raise ValueError("a spectrum needs evenly spaced samples")
-    window = scipy.signal.windows.tukey(len(time), 0.1, sym=False)
+    window = _window(len(time))
     lines = np.fft.rfft((values - np.mean(values)) * window)
     energy = 2 * np.abs(lines)**2 / (len(time)**2 * np.mean(window**2))
     energy[0] /= 2

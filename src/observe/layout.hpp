@@ -27,7 +27,7 @@ std::vector<std::string> columns(const io::File& file, const std::string& group)
 // or numbers of the columns, within its own group, where readers of netCDF look for them. The
 // positions must be in the file. Collective.
 void set_axes_of_history(const par::Comm& comm, io::File& file, const std::string& path);
-// Its positions.
+// Gives an envelope the axis of its places.
 void set_axis_of_envelope(const par::Comm& comm, io::File& file, const std::string& path);
 // Those of all histories and envelopes of a new file.
 void set_axes(const par::Comm& comm, io::File& file);

@@ -47,6 +47,8 @@ def check_origin(program, place):
            "commit, compiler with options, libraries", ran)
     info = program.done(1, "info", place / "results.h5")
     expect(build in info.stdout, "the results state the build", info)
+    info = program.done(1, "info", place)
+    expect(build in info.stdout, "the checkpoint states the build", info)
     return build
 
 
@@ -88,7 +90,6 @@ def main():
         if not (usr / name).is_file():
             raise SystemExit(f"{name} is not installed")
     check_completion(usr)
-
 
 
 if __name__ == "__main__":

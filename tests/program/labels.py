@@ -83,7 +83,7 @@ def check(path, dimensions):
 
 
 def check_resume(program, deck, folder):
-    """Labels after a stop, and at other values than the numbers of rows."""
+    """Labels after a stop and a resume; axes have the values of time and positions."""
     dims = {"history/sleeper/displacement": ("time", "x"),
             "history/region/below/porosity": ("time", "cell"),
             "history/region/below/stress": ("time", "cell_component"),

@@ -39,9 +39,9 @@ def problems_of(path):
         if not unit or not meaning:
             found.append(f"{name} has no unit or no meaning")
         elif unit == "1" and not any(name.endswith(end) for end in PLAIN):
-            found.append(f"{name} ({meaning}) has the unit -")
+            found.append(f"{name} ({meaning}) has the unit 1")
         elif unit == "1" and WITH_UNIT.search(name + meaning):
-            found.append(f"{name} ({meaning}) has the unit -, but its meaning implies another")
+            found.append(f"{name} ({meaning}) has the unit 1, but its meaning implies another")
         # VTK shows only names, which therefore end with the unit; / is not allowed in them.
         named = re.search(r"\(([^()]*)\)$", name.replace("∕", "/"))
         if name.startswith("VTKHDF/") and named and named.group(1) != unit:
