@@ -9,7 +9,8 @@ results are written. A cell is little larger than the smallest periodic bed of t
 of the deck's bed. It is poured and settled to rest under each law; the measured beds are copies of
 it side by side (bed.cell), on two ranks twice as many as on one, so that each rank has the same
 number of stones. The time of the preparation is printed. `contacts` counts contacts of pieces,
-`touched` the stones (and the floor) that a stone touches. All cases alternate, RUNS times (3), and
+`touched` the stones (and the floor) that a stone touches, `list time` is the fraction of the DEM
+time that neighbour lists take, `over one rank` the speed per core divided by that on one rank. All cases alternate, RUNS times (3), and
 the best run of each counts, because other work on the machine can only slow it down. The processor
 time shows what a busy machine hides in the wall time. Both programs are timed over the whole loop:
 trackbed by the wall time of the last stage, with coupling and history output, LAMMPS by its loop
@@ -236,7 +237,7 @@ def beside_lammps(program, folder, cases):
 
 def table(cases):
     print("deck      law     ranks  stones  contacts  touched  steps/s/core  by CPU time"
-          "  neighbours  B/stone  without contacts  of one rank")
+          "   list time  B/stone  without contacts  over one rank")
     for case in cases:
         dem = case.runs[-1]
         alone = next(c for c in cases if (c.name, c.law, c.ranks) == (case.name, case.law, 1))
@@ -246,7 +247,7 @@ def table(cases):
               f"{100 * case.best('neighbour_share', largest=False):9.1f} % "
               f"{dem['memory_per_particle_b']:8.0f} "
               f"{dem['memory_per_particle_without_contacts_b']:17.0f} "
-              f"{case.speed() / alone.speed():12.2f}")
+              f"{case.speed() / alone.speed():14.2f}")
 
 
 def ratios(cases, theirs):

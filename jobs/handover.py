@@ -456,7 +456,8 @@ def main():
     parser.add_argument("--rounds", type=int)
     parser.add_argument("--trains", type=int, help="trains computed in a round")
     parser.add_argument("--each", type=float, help="trains represented by one computed train")
-    parser.add_argument("--load", type=float, help="N on each sleeper in the load test")
+    parser.add_argument("--load", type=float, help="peak force on each sleeper in the "
+                        "load test, in newtons")
     parser.add_argument("--force", action="store_true", help="remove the results in FOLDER and "
                         "start again")
     loop = Loop(parser.parse_args())

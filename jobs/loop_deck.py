@@ -23,7 +23,8 @@ OF_THE_TRAIN = ("rail", "pad", "under_sleeper_pad", "ballast", "track", "train",
 # Keys of the train's stage that would end it before the last axle has left, or that the loop
 # sets. All other keys also hold for the trains of the rounds.
 INSTEAD = {"duration": "the loop's trains run until their last axle has left",
-           "settlement": "handover.trains is the number of trains in a round",
+           "settlement": "it could end the stage before all trains of a round (handover.trains) "
+                         "have passed",
            "cycles": "handover.trains is the number of trains in a round"}
 LOAD_TEST = 0.3  # s, duration of the stage: its load rises in one half and falls in the other
 FALL = 0.12  # s, its evaluated end, after a tenth of the unloading: before, the bed still settles

@@ -89,7 +89,8 @@ def main():
             for row in of_kind(given.program, given.folder, kind, shape):
                 table.writerow(row)
                 file.flush()
-                print("{} friction {} k_s/k_n {} zeta {}: {:.2f}".format(*row), flush=True)
+                print("{} friction {} k_s/k_n {} zeta {}: longest stable dem.safety {:.2f}".format(
+                    *row), flush=True)
 
 
 if __name__ == "__main__":

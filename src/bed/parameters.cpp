@@ -229,8 +229,9 @@ void PlatenParameters::declare(input::Section& s) {
   s.number("acceleration", acceleration, {.unit = "m/s^2", .above = 0},
            "Largest acceleration of the platen; braking is not limited.");
   s.number("average", average, {.unit = "s", .above = 0},
-           "Time constant T of the averaged pressure, which decides when compaction ends. The "
-           "servo controls the pressure averaged over T with vibration, over T/10 without.");
+           "Time constant T of the averaged pressure, which decides when compaction ends. With "
+           "vibration the servo controls this averaged pressure; without vibration it controls the "
+           "pressure averaged over T/10.");
   s.number("tolerance", tolerance, {.above = 0, .at_most = 0.5},
            "Relative tolerance of the averaged pressure.");
   s.number("hold", hold, {.unit = "s", .above = 0},

@@ -88,12 +88,18 @@ std::string cell(const std::string& text) {
   return escaped;
 }
 
+constexpr const char* about_top =
+    "Values before the first section of the deck. Words in brackets at the end of a meaning, such "
+    "as "
+    "(space) or (fill), name the dimension, kind or model in which the parameter has an effect.";
+
 // In the order of the declarations, each section followed by those within it.
 void markdown(const Spec& section, const std::vector<Spec>& parts, bool in_list, std::string& out) {
   const bool has_scalars =
       std::any_of(parts.begin(), parts.end(), [](const Spec& part) { return !is_group(part); });
   if (!section.path.empty() || has_scalars)
-    out += fmt::format("\n## `{}`\n\n{}\n", header_of(section, in_list), section.meaning);
+    out += fmt::format("\n## `{}`\n\n{}\n", header_of(section, in_list),
+                       section.path.empty() ? about_top : section.meaning);
   // Values before inner sections, as required in a deck.
   if (has_scalars)
     out += "\n| parameter | kind | unit | default | range | meaning |\n|---|---|---|---|---|---|\n";

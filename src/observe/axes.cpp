@@ -21,14 +21,17 @@ struct ColumnAxis {
 };
 
 constexpr std::array<const char*, 2> none{"", ""};
-constexpr const char* along = "along the track; on two rails left before right of each place";
+constexpr const char* along =
+    "along the track; with two rails, two columns for each place: left, then "
+    "right";
 constexpr const char* of_sleepers = "sleeper by sleeper, left before right";
 constexpr const char* of_cells = "xx yy zz xy xz yz of the first cell, then of the next";
 
 constexpr std::array column_axes = {
     ColumnAxis{
         "history/sleeper", "moment", none, "section",
-        "of each sleeper: below the left rail, in the middle, below the right rail, if whole"},
+        "of each sleeper: below the left rail, in the middle, below the right rail (half sleeper: "
+        "only the first two)"},
     ColumnAxis{"history/sleeper", "", {"sleepers/x", ""}, "place", along},
     ColumnAxis{"history/ground", "", {"ground/x", "sleepers/x"}, "place", along},
     ColumnAxis{"history/rail", "force", none, "force_number", "as [[force]] in the deck"},

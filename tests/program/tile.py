@@ -147,7 +147,8 @@ def check_sentences(bench):
             ([f"bed.cell={bench.cell / 'results.h5'}"], ["bed.cell = ", "not a trackbed"], deck),
             (["time.step=2e-5"], ["time.step = 2e-05 s is above the stable"], deck),
             (["bed.cell=nowhere.h5"], ["bed.cell", "does not exist"], deck),
-            ([], ["needs exactly one stage of kind fill, which lays it; the deck has 2"], twice),
+            ([], ["needs exactly one stage of kind fill, which places the copies of the "
+                  "cell; the deck has 2 such stages"], twice),
             ([], ['stones of "ballast"', "no [[material]]"], granite),
             ([], ['stones of "ballast" that touch "lead"'], floor)):
         # Of two overrides of one parameter the last one counts.

@@ -77,7 +77,7 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            f"{YIELDS} ground.layer.soil.tensile_strength=2e4":
                "must be at most cohesion / tan(friction_angle) = 17320.5 Pa",
            f"{YIELDS} ground.layer.soil.cohesion=0 ground.layer.soil.friction_angle=0":
-               "must be above 0 if cohesion is 0, or the solid has no shear strength",
+               "must be above 0 if cohesion is 0: otherwise the solid has no shear strength",
            "bed.seed=-1": "must be at least 0",
            "stage.fill.cycles=1000000000": "stage[0].cycles = 1000000000 must be at least 0 and",
            "stage.fill.cycles=3": "for stages of kind load, passage and tamp only",

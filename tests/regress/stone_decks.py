@@ -209,7 +209,7 @@ def check_steps(bench):
     bench.accepted(block("a", [0, 0, 0.5]), ["dem.safety=0.45"],
                    warning="dem.safety = 0.45: may be too large for compacted stones")
     ran = bench.accepted(ball("a", [0, 0, 0.5], motion="driven"), ["time.step=1e-5"])
-    expect("limit: time.step" in ran.stdout and "inf" not in ran.stdout,
+    expect("determined by time.step" in ran.stdout and "inf" not in ran.stdout,
            "limit of driven stones", ran)
 
 

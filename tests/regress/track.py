@@ -28,7 +28,7 @@ REFUSED = {
     "train.times=[9] train.speeds=[-5]": "train.speeds[0] = -5 must be at least 0 m/s",
     "train.times=[5] train.speeds=[0] train.speed=10": "stops with its first axle at 25 m and",
     "track.length=60.1": "must be a multiple of track.spacing",
-    "track.run_in=31": "must be at most half of track.length",
+    "track.run_in=31": "must be at most 30 m, half of track.length",
     "irregularity.kind=file": "is needed for kind",
     "irregularity.longest=0.5": "must be longer than `shortest`",
     "wheel_rail.flat_axle=5": "must be at most the number of axles of the train, 4",

@@ -48,9 +48,9 @@ void Particles::save(io::File& file, const std::string& group) const {
   file.write<double>(
       group + "/history/size", size, 2,
       {"m, m3",
-       "columns: contact size a = sqrt(R delta), m, when the displacement was stored (linear law: "
-       "a = 1); a times the mean square distance of the contact points from the axis through the "
-       "contact's centre along its normal, m3 (linear law: m2)"});
+       "column 1: contact size a = sqrt(R delta), m, at the time when the displacement was stored "
+       "(linear law: 1); column 2: a times the mean of d^2, m3 (linear law: m2), where d is the "
+       "distance of a contact point from the normal through the centre of the contact"});
   if (r.laws.any_rolls())
     file.write<double>(group + "/history/roll", roll, 3,
                        {"m", "displacement of rolling x y z; missing without rolling resistance"});

@@ -29,9 +29,12 @@ void State::list(const Visit& visit) {
   visit("load", "N", "top load of the last window minus that in static equilibrium", load);
   visit("settled", "N", "top load in static equilibrium", settled);
   visit("offset", "m",
-        "displacement up to the last static equilibrium, added to the shape of the surface",
+        "displacement at the time of the last static equilibrium; it is part of the shape of the "
+        "surface from then on and not of `displacement`",
         offset);
-  visit("rest", "m", "static displacement under weight and settled load", static_displacement);
+  visit("rest", "m",
+        "static displacement under the weight and the top load in static equilibrium (`settled`)",
+        static_displacement);
   if (one_before.of[0].empty()) return;
   visit("acceleration_one_before", "m/s^2",
         "at the end of the last but one window (only with implicit steps)", one_before);

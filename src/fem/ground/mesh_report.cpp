@@ -169,7 +169,7 @@ void check_wave(const SolidMesh& mesh, const GroundParameters& parameters, const
     if (at.second == WaveEffect::holder)
       report(problems,
              fmt::format("holds the ground along {0}, but the wave of ground.base_motion moves "
-                         "along {0} (v{0}_m_s is not 0); use \"viscous\" or \"free\"",
+                         "the ground along {0} (v{0}_m_s is not 0); use \"viscous\" or \"free\"",
                          axes[static_cast<std::size_t>(axis)]));
   }
   if (!problems.empty()) throw InputError(problems);

@@ -125,11 +125,12 @@ void declare_height(const GroundParameters& ground, std::size_t number, Section&
                 static_cast<double>(ground.elements_z)),
         about);
   constexpr double odd = 0.25;  // of its height: larger deviations are reported
-  s.rule(key, std::abs(made - asked) <= odd * asked,
-         fmt::format("becomes {:.3g} m, the height of the elements whose centres are in the layer; "
-                     "give each layer its `elements`, or increase elements_z",
-                     made),
-         {.severity = input::Severity::warning, .reads = about.reads});
+  s.rule(
+      key, std::abs(made - asked) <= odd * asked,
+      fmt::format("becomes {:.3g} m, the total height of the rows of elements whose centres are in "
+                  "the layer; give each layer its `elements`, or increase elements_z",
+                  made),
+      {.severity = input::Severity::warning, .reads = about.reads});
 }
 
 // Twice the area of the triangle of three corners of an outline, m^2; above 0: it turns left.
@@ -253,7 +254,7 @@ void Strength::declare(Section& s) {
   }
   const About about{.reads = {"cohesion", "friction_angle", "dilation_angle", "tensile_strength"}};
   s.rule("friction_angle", cohesion > 0 || friction_angle > 0,
-         "must be above 0 if cohesion is 0, or the solid has no shear strength", about);
+         "must be above 0 if cohesion is 0: otherwise the solid has no shear strength", about);
   s.rule("dilation_angle", dilation_angle <= friction_angle,
          fmt::format("must be at most friction_angle ({:g} degrees), or yielding may create energy",
                      friction_angle),
@@ -396,10 +397,11 @@ void GroundParameters::declare_steps(Section& s) {
            "Newmark's beta (newmark), at least newmark_gamma / 2.");
   s.number("newmark_gamma", newmark_gamma, {.at_least = 0.5, .at_most = 1},
            "Newmark's gamma (newmark); values above 0.5 give numerical damping.");
-  s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
-         fmt::format("must be at least half of newmark_gamma ({:g}), or the integrator is not "
-                     "unconditionally stable",
-                     newmark_gamma / 2));
+  s.rule(
+      "newmark_beta", 2 * newmark_beta >= newmark_gamma,
+      fmt::format("must be at least {:g}, half of newmark_gamma: otherwise the integrator is not "
+                  "unconditionally stable",
+                  newmark_gamma / 2));
   declare_alphas(*this, s);
   declare_idle_numbers(*this, s);
   s.number("tolerance", tolerance, {.at_least = 1e-14, .at_most = 1e-2},

@@ -81,7 +81,8 @@ void GroundParameters::declare_mesh(Section& s) {
          "elements; each physical volume of the file needs a solid, each physical surface except "
          "mesh_top a border; empty: none.");
   s.text("mesh_top", mesh_top,
-         "Name of the physical surface of the mesh below the stones; it must be at z = 0.");
+         "Name of the physical surface of the mesh that is the top of the ground (below stones, "
+         "sleepers or pressures); it must be at z = 0.");
   fixed.end();
   s.tables("solid", solids, "Material of a physical volume of the mesh.");
   {

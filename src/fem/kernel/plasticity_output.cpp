@@ -92,7 +92,8 @@ std::vector<double> Plasticity::stored(const Nodal& u0, const Nodal& u) const {
 
 void Plasticity::list(const Visit& visit) {
   visit("plastic/strain", "-",
-        "all plastic strain: for each of xx, yy, zz, xy, yz, zx (plane: xx, yy, zz, zx; shear "
+        "total plastic strain, including that in static equilibrium: for each of xx, yy, zz, xy, "
+        "yz, zx (plane: xx, yy, zz, zx; shear "
         "doubled) the values at all Gauss points",
         width_, strain_);
   visit("plastic/static", "-", "plastic strain in static equilibrium, in the same order", width_,

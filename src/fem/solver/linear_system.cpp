@@ -77,8 +77,9 @@ void LinearSystem::Handles::create() {
   for (PetscInt& count : outer) count = std::min(count, all);
   const MPI_Comm comm = par::mpi(mesh.comm);
   check(MatCreate(comm, matrix.create()), "create a matrix");
-  check(MatSetSizes(matrix, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE), "size a matrix");
-  check(MatSetBlockSize(matrix, components), "size a matrix");
+  check(MatSetSizes(matrix, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE),
+        "set the size of a matrix");
+  check(MatSetBlockSize(matrix, components), "set the size of a matrix");
   check(MatSetType(matrix, MATAIJ), "set the type of a matrix");
   check(MatSeqAIJSetPreallocation(matrix, 0, inner.data()), "allocate a matrix");
   check(MatMPIAIJSetPreallocation(matrix, 0, inner.data(), 0, outer.data()), "allocate a matrix");
@@ -142,16 +143,16 @@ void LinearSystem::Handles::assemble(const Spec& spec) {
 void LinearSystem::Handles::set_rigid_motions() {
   OwnedVec places;
   check(VecDuplicate(right, places.create()), "create a vector");
-  check(VecSetBlockSize(places, components), "size a vector");
+  check(VecSetBlockSize(places, components), "set the size of a vector");
   PetscScalar* x = nullptr;
-  check(VecGetArray(places, &x), "open a vector");
+  check(VecGetArray(places, &x), "access the array of a vector");
   for (std::size_t n = 0; n < mesh.own.size(); ++n) {
     const Vec3 at = mesh.position(mesh.own[n]);
     for (int c = 0; c < components; ++c)
       x[n * static_cast<std::size_t>(components) + static_cast<std::size_t>(c)] =
           at[mesh.lattice.axis(c)];
   }
-  check(VecRestoreArray(places, &x), "close a vector");
+  check(VecRestoreArray(places, &x), "restore the array of a vector");
   OwnedNullSpace motions;
   check(MatNullSpaceCreateRigidBody(places, motions.create()), "form the rigid motions");
   check(MatSetNearNullSpace(matrix, motions), "set the rigid motions");
@@ -183,7 +184,7 @@ const char* LinearSystem::Handles::default_preconditioner(Use use) {
   for (const std::int32_t n : mesh.own)
     for (int c = 0; c < components; ++c, ++at)
       if (!is_held(n, c)) ratio = std::max(ratio, all[at] / std::max(diagonal[c][n], 1e-300));
-  check(VecRestoreArrayRead(right, &all), "close a vector");
+  check(VecRestoreArrayRead(right, &all), "restore the array of a vector");
   if (mesh.comm.max(ratio) <= most) return PCJACOBI;
   return components == 3 || use == Use::in_every_step ? PCGAMG : PCHYPRE;
 }
@@ -229,20 +230,20 @@ LinearSystem::~LinearSystem() = default;
 
 void LinearSystem::Handles::to_petsc(const Nodal& from, Vec to) const {
   PetscScalar* values = nullptr;
-  check(VecGetArray(to, &values), "open a vector");
+  check(VecGetArray(to, &values), "access the array of a vector");
   std::size_t at = 0;
   for (const std::int32_t node : mesh.own)
     for (int c = 0; c < components; ++c) values[at++] = is_held(node, c) ? 0 : from[c][node];
-  check(VecRestoreArray(to, &values), "close a vector");
+  check(VecRestoreArray(to, &values), "restore the array of a vector");
 }
 
 void LinearSystem::Handles::from_petsc(Vec from, Nodal& to) const {
   const PetscScalar* values = nullptr;
-  check(VecGetArrayRead(from, &values), "open a vector");
+  check(VecGetArrayRead(from, &values), "access the array of a vector");
   std::size_t at = 0;
   for (const std::int32_t node : mesh.own)
     for (int c = 0; c < components; ++c) to[c][node] = values[at++];
-  check(VecRestoreArrayRead(from, &values), "close a vector");
+  check(VecRestoreArrayRead(from, &values), "restore the array of a vector");
 }
 
 int LinearSystem::Handles::outcome(KSP of) {
@@ -274,7 +275,7 @@ void LinearSystem::Handles::require_solved(double all) {
   PetscReal left = 0;
   check(MatMult(product, solution, residual), "multiply by a matrix");
   check(VecAYPX(residual, -1, right), "add vectors");
-  check(VecNorm(residual, NORM_2, &left), "measure a vector");
+  check(VecNorm(residual, NORM_2, &left), "compute the norm of a vector");
   if (!(left <= rounding * all))
     throw RunError(
         fmt::format("the linear solver of the ground leaves a residual of {:.2g} times the forces "
@@ -296,10 +297,10 @@ int LinearSystem::solve(const Nodal& right_side, Nodal& x, double floor) {
   h.to_petsc(x, h.solution);
   check(MatMult(h.product, h.solution, h.residual), "multiply by a matrix");
   check(VecAYPX(h.residual, -1, h.right), "add vectors");
-  check(VecNorm(h.right, NORM_2, &all), "measure a vector");
-  check(VecNorm(h.residual, NORM_2, &left), "measure a vector");
+  check(VecNorm(h.right, NORM_2, &all), "compute the norm of a vector");
+  check(VecNorm(h.residual, NORM_2, &left), "compute the norm of a vector");
   if (left >= all) {
-    check(VecSet(h.solution, 0), "clear a vector");
+    check(VecSet(h.solution, 0), "set a vector to zero");
     check(VecCopy(h.right, h.residual), "copy a vector");
     left = all;
   }

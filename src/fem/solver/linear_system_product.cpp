@@ -56,7 +56,7 @@ void LinearSystem::Handles::make_product() {
   check(MatCreateShell(par::mpi(mesh.comm), rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, this,
                        product.create()),
         "create a matrix");
-  check(MatSetBlockSize(product, components), "size a matrix");
+  check(MatSetBlockSize(product, components), "set the size of a matrix");
   check(MatShellSetOperation(product, MATOP_MULT, reinterpret_cast<void (*)()>(multiply_shell)),
         "create a matrix");
   check(MatSetOption(product, MAT_SPD, PETSC_TRUE), "declare a matrix positive definite");
@@ -83,7 +83,7 @@ void LinearSystem::Handles::list_rows() {
 void LinearSystem::Handles::multiply(Vec from, Vec to) {
   const PetscScalar* x = nullptr;
   PetscScalar* y = nullptr;
-  check(VecGetArrayRead(from, &x), "open a vector");
+  check(VecGetArrayRead(from, &x), "access the array of a vector");
   for (const Rows& r : rows)
     (components == 3 ? spread<3>
                      : spread<2>)(r.nodes, x + r.at, free_row.data() + r.at,
@@ -98,15 +98,15 @@ void LinearSystem::Handles::multiply(Vec from, Vec to) {
       for (std::size_t n = 0; n < mesh.nodes(); ++n)
         force[c][n] = common * force[c][n] + damping * damped[c][n];
   }
-  check(VecGetArray(to, &y), "open a vector");
+  check(VecGetArray(to, &y), "access the array of a vector");
   for (const Rows& r : rows)
     (components == 3 ? gather<3>
                      : gather<2>)(r.nodes,
                                   {force[0] + r.node, force[1] + r.node, force[2] + r.node},
                                   damps ? 1 : common, free_row.data() + r.at,
                                   on_diagonal.data() + r.at, x + r.at, y + r.at);
-  check(VecRestoreArray(to, &y), "close a vector");
-  check(VecRestoreArrayRead(from, &x), "close a vector");
+  check(VecRestoreArray(to, &y), "restore the array of a vector");
+  check(VecRestoreArrayRead(from, &x), "restore the array of a vector");
 }
 
 }  // namespace trackbed::fem

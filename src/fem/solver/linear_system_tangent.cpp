@@ -117,7 +117,7 @@ double LinearSystem::residual(const Nodal& right_side, const Nodal& x, Nodal& r)
   h.to_petsc(right_side, h.right);
   check(MatMult(h.product, h.solution, h.residual), "multiply by a matrix");
   check(VecAXPY(h.right, -1, h.residual), "add vectors");
-  check(VecNorm(h.right, NORM_2, &norm), "measure a vector");
+  check(VecNorm(h.right, NORM_2, &norm), "compute the norm of a vector");
   h.from_petsc(h.right, r);
   return norm;
 }

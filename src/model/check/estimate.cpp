@@ -91,11 +91,11 @@ double step_time(const par::Comm& comm, const bed::BedParameters& layer, Dimensi
 // Describes the steps of a stage and their limit: most stages of a deck have the same.
 std::string limits_of(const Model& model, const Stage& stage, const Steps& steps) {
   std::string words =
-      fmt::format("windows of {:.4g} s with {} sub-step{} each (limit: {})\n", steps.window,
+      fmt::format("windows of {:.4g} s with {} sub-step{} each (determined by {})\n", steps.window,
                   steps.substeps, steps.substeps > 1 ? "s" : "", steps.limit);
   const CouplingLimit coupling = coupling_limit(model, stage);
   if (std::isfinite(coupling.window))
-    words += fmt::format("  the coupling allows a window length of at most {:.4g} s (basis: {})\n",
+    words += fmt::format("  the coupling allows windows of at most {:.4g} s (determined by {})\n",
                          coupling.window, coupling.words());
   return words;
 }
@@ -218,7 +218,7 @@ std::vector<std::string> estimate_alone(World& world) {
   const Steps steps = steps_alone(world);
   double windows = 0;
   for (const Stage& stage : model.stages) windows += number_covering(stage.duration, steps.window);
-  std::string line = fmt::format("  {:.4g} s in {:.0f} windows of {:.4g} s (limit: {})",
+  std::string line = fmt::format("  {:.4g} s in {:.0f} windows of {:.4g} s (determined by {})",
                                  model.duration(), windows, steps.window, steps.limit);
   if (model.ground.yields()) return {line};
   const int tried = static_cast<int>(std::min(10.0, windows));

@@ -114,7 +114,7 @@ std::vector<std::string> estimate_placed(World& world, const input::Deck& deck) 
     steps = choose_steps(world, step_of(world), stage, deck);
     const double needs = number_covering(stage.duration, steps.window);
     lines.push_back(fmt::format(
-        "  {}: {:.4g} s in {:.0f} windows of {:.4g} s with {} sub-step{} each (limit: {})",
+        "  {}: {:.4g} s in {:.0f} windows of {:.4g} s with {} sub-step{} each (determined by {})",
         stage.name, stage.duration, needs, steps.window, steps.substeps,
         steps.substeps > 1 ? "s" : "", steps.limit));
     windows += needs;

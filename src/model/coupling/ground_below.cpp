@@ -360,10 +360,10 @@ void GroundBelow::archive(io::Archive& a) {
   FineSum nodes = work_of_nodes();
   own("node_work/quanta", nodes.counts()[0],
       {"-",
-       "work done on the ground up to now, summed exactly over its nodes, as a multiple of a fixed "
-       "unit of work"});
+       "work done on the ground up to now, summed exactly over its nodes, as a multiple of an "
+       "internal unit of energy, which only a resume needs"});
   own("node_work/fine_quanta", nodes.counts()[1],
-      {"-", "remainder of node_work/quanta, as a multiple of a finer unit"});
+      {"-", "remainder of node_work/quanta, as a multiple of 2^-32 of its unit"});
   own("balance/force", force_off_, {"-", "largest relative imbalance of force"});
   own("balance/moment", moment_off_[0], {"-", "largest relative imbalance of the moment about y"});
   own("balance/roll_moment", moment_off_[1],

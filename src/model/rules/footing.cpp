@@ -62,7 +62,8 @@ void declare_track(const Model& model, input::Section& s) {
   const double last = first + static_cast<double>(footing.count - 1) * track.spacing;
   s.rule("footing.before", first >= track.run_in - same_length,
          fmt::format("the first sleeper on the ground is at {:g} m from the start of the track, "
-                     "within the run-in of {:g} m; must be at least {:g}, or track.run_in shorter",
+                     "within the run-in of {:g} m; give at least {:g} sleepers before it, or a "
+                     "shorter track.run_in",
                      first, track.run_in, std::ceil((track.run_in - same_length) / track.spacing)),
          about);
   s.rule("footing.count", last <= track.length - track.run_in + same_length,

@@ -208,8 +208,9 @@ void declare_motion(const Model& model, input::Section& s) {
              model.time.substeps <= contact / 4,
          fmt::format(
              "a window of {} sub-steps is longer than a quarter of a contact of the lightest stone "
-             "(contact duration about {:.1f} sub-steps): impulses, peak forces and supplied work "
-             "are taken from the ends of windows and miss shorter contacts; give at most {:d}",
+             "(about {:.1f} sub-steps): impulses, peak forces and supplied work are taken only at "
+             "the ends of windows, which gives fewer than four values in such a contact and misses "
+             "contacts shorter than a window; give at most {:d}",
              model.time.substeps, contact, std::max(1, static_cast<int>(contact / 4))),
          {.severity = input::Severity::warning, .reads = {"time.substeps", "dem.safety"}});
   s.rule("time.step", stones.empty() || moves || model.time.step > 0,

@@ -95,7 +95,8 @@ void declare_place(const Model& model, input::Section& s) {
   s.rule(
       "seat.before", first >= track.run_in * (1 - alike),
       fmt::format("puts the first sleeper of the bed at {:g} m from the start of the track, within "
-                  "its run-in of {:g} m; must be at least {:g}, or track.run_in shorter",
+                  "its run-in of {:g} m; give at least {:g} sleepers before the bed, or a shorter "
+                  "track.run_in",
                   first, track.run_in, std::ceil(track.run_in * (1 - alike) / track.spacing)),
       about);
   s.rule("track.length", last <= (track.length - track.run_in) * (1 + alike),

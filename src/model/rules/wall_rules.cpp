@@ -53,7 +53,7 @@ void declare_shear(const Model& model, std::size_t i, double travel, input::Sect
   s.rule(displacement, stage.displacement != 0, "must not be 0 m for a stage of kind shear",
          {.reads = {kind, displacement}});
   s.rule(kind, model.bed.split > 0, "needs divided walls: give bed.split, a height in m", about);
-  s.rule(kind, !model.periodic_in("x"), "needs walls along x: leave out \"x\" of `periodic`",
+  s.rule(kind, !model.periodic_in("x"), "needs walls normal to x: remove \"x\" from `periodic`",
          about);
   const StageKind before = i > 0 ? model.stages[i - 1].kind : StageKind::compact;
   s.rule(kind, before == StageKind::compact || before == StageKind::shear,

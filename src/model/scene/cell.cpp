@@ -175,7 +175,8 @@ class CellCheck {
                                      [](const Stage& s) { return s.kind == StageKind::fill; });
     if (fills > 1)
       add("bed.cell",
-          fmt::format("needs exactly one stage of kind fill, which lays it; the deck has {}",
+          fmt::format("needs exactly one stage of kind fill, which places the copies of the "
+                      "cell; the deck has {} such stages",
                       fills));
   }
 

@@ -50,7 +50,7 @@ Steps choose_steps(const World& world, const StonesStep& stones, const Stage& st
   const CouplingLimit coupling = coupling_limit(world, stage);
   Steps steps;
   steps.window = step * static_cast<double>(model.time.substeps);
-  steps.limit = model.time.step > 0 ? "time.step" : "stones: " + stones.limit;
+  steps.limit = model.time.step > 0 ? "time.step" : "the stones, " + stones.limit;
   if (stage.ground_moves && world.ground) {
     // Not a limit of the window: the ground divides it into as many steps as it needs.
     const double ground = world.ground->stable_step(&ground_words);
@@ -59,7 +59,7 @@ Steps choose_steps(const World& world, const StonesStep& stones, const Stage& st
   }
   if (coupling.window < steps.window) {
     steps.window = coupling.window;
-    steps.limit = "coupling: " + coupling.words();
+    steps.limit = "the coupling, " + coupling.words();
   }
   if (model.time.window > 0) {
     if (model.time.window > coupling.window * (1 + rounding_of_steps))
@@ -90,7 +90,7 @@ Steps steps_alone(const World& world) {
   Steps steps;
   const double own = world.ground->stable_step(&steps.limit);
   steps.window = world.model.time.window > 0 ? world.model.time.window : own;
-  steps.limit = world.model.time.window > 0 ? "time.window" : "ground: " + steps.limit;
+  steps.limit = world.model.time.window > 0 ? "time.window" : "the ground, " + steps.limit;
   return steps;
 }
 

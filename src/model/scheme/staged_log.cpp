@@ -74,20 +74,21 @@ void say_stage_begins(RunContext& run, World& world, const Stage& stage) {
   const dem::Totals totals = world.particles.totals();
   const double bytes = comm.max(megabytes(world.memory()));
   const bool stones = world.model.has_stones();
-  say_values(comm,
-             "stage {}: {}window {:.4g} s{} (limit: {}), up to {:.4g} s = {} windows; memory "
-             "{:.2g} MB per rank",
-             stage.name,
-             stones ? fmt::format("{} stone{} ({} piece{}), ", totals.particles,
-                                  plural_ending(totals.particles), totals.pieces,
-                                  plural_ending(totals.pieces))
-                    : "",
-             course.clock.dt(),
-             stones ? fmt::format(" in {} sub-step{}", course.steps.substeps,
-                                  plural_ending(course.steps.substeps))
-                    : "",
-             course.steps.limit, static_cast<double>(course.clock.windows()) * course.clock.dt(),
-             course.clock.windows(), bytes);
+  say_values(
+      comm,
+      "stage {}: {}window {:.4g} s{} (determined by {}), up to {:.4g} s = {} windows; memory "
+      "{:.2g} MB per rank",
+      stage.name,
+      stones ? fmt::format("{} stone{} ({} piece{}), ", totals.particles,
+                           plural_ending(totals.particles), totals.pieces,
+                           plural_ending(totals.pieces))
+             : "",
+      course.clock.dt(),
+      stones ? fmt::format(" in {} sub-step{}", course.steps.substeps,
+                           plural_ending(course.steps.substeps))
+             : "",
+      course.steps.limit, static_cast<double>(course.clock.windows()) * course.clock.dt(),
+      course.clock.windows(), bytes);
   run.log.mark(course.clock.time());
 }
 

@@ -47,8 +47,9 @@ void declare_seats(const TrackModel& model, input::Section& s) {
          "first in m, for example [0, 2.8] for a bogie",
          about);
   s.rule("track.ends", model.line.track.ends == track::RailEnds::pinned,
-         "must be \"pinned\" if seat loads are applied (passage.loaded_by): the rail then has no "
-         "pads and only pinned ends support it; it has no effect on the sleepers",
+         "must be \"pinned\" if seat loads are applied (passage.loaded_by): the rail then "
+         "remains in the equations without pads and without load, so that only pinned ends hold "
+         "it; the rail does not affect the sleepers",
          about);
 }
 

@@ -241,7 +241,7 @@ void TrackParameters::declare(input::Section& s) {
     s.rule(fmt::format("zone[{}].gap", i), zones[i].gap == 0 || support == Support::sleepers,
            "must be 0: the track has no sleepers (support)", {.reads = {"support", "zone"}});
   s.rule("run_in", support == Support::none || 2 * run_in <= length,
-         fmt::format("must be at most half of track.length ({:g} m)", length / 2));
+         fmt::format("must be at most {:g} m, half of track.length", length / 2));
 }
 
 // Wheel and rail oscillate against each other on the contact stiffness at several hundred Hz, and

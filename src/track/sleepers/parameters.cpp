@@ -50,7 +50,7 @@ void SleeperParameters::declare(input::Section& s) {
   s.rule("free", are_degrees_of_freedom(free),
          "may contain only x, y, z, rx, ry and rz, each at most once");
   s.rule("bevel", bevel < std::min(width / 2, height),
-         fmt::format("must be smaller than half the width ({:g} m) and than the height ({:g} m)",
+         fmt::format("must be below {:g} m (half the width) and below {:g} m (the height)",
                      width / 2, height));
   s.rule("spacing", count < 2 || spacing > width,
          fmt::format("must be larger than the width ({:g} m)", width));
