@@ -5,7 +5,7 @@
 #   part "TEXT" COMMAND...     runs a command and prints its wall time
 #   run_model DECK DIR [--force] [key=value...]   the program on $RANKS ranks (default 2)
 #   still_checkpoint DECK DIR   prints DIR's checkpoint of the last stage before the ground moves
-#   draw SCRIPT WORD...   a script of postproc/
+#   draw COMMAND WORD...   a command of postproc/
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -108,5 +108,5 @@ END
 }
 
 draw() {
-  PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg "$python" "postproc/$1" "${@:2}"
+  PYTHONDONTWRITEBYTECODE=1 "$python" postproc "$@"
 }

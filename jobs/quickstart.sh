@@ -14,8 +14,9 @@ start=$(still_checkpoint $deck $results/wedge)
 part "Run without wedge" run_model $deck $results/no_wedge --force \
   ground.block.wedge.present=false ground.block.wedge_surface.present=false \
   "start='$start'"
-part "Figures" draw transition.py $results/wedge $results/no_wedge --film \
+part "Figures" draw compare $results/wedge $results/no_wedge --kind transition \
   -o $results/figures
+part "Film" draw film $results/wedge $results/no_wedge -o $results/figures/film.gif
 
 printf '\nDone in %d s. Figures and film:\n' $SECONDS
 printf '  %s\n' "$PWD"/$results/figures/{model,transition}.png "$PWD/$results/figures/film.gif"

@@ -13,7 +13,7 @@ start=$(still_checkpoint $deck $results/wedge)
 part "Run without wedge" run_model $deck $results/no_wedge "$@" \
   ground.block.wedge.present=false ground.block.wedge_surface.present=false \
   "start='$start'"
-part "Figures" draw figures.py $results/wedge $results/no_wedge -o $results/figures
+part "Figures" draw compare $results/wedge $results/no_wedge -o $results/figures
 
 printf '\nDone in %d s. Figures:\n' $SECONDS
 printf '  %s\n' "$PWD"/$results/figures/*.png

@@ -20,9 +20,7 @@ import launch
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "postproc"))
-import heap  # noqa: E402
-import laboratory  # noqa: E402
-import read  # noqa: E402
+from trackbed_post import heap, laboratory, read  # noqa: E402
 
 
 def contacts(**values):

@@ -16,6 +16,6 @@ else
   part "Run" run_model inputs/shi/short.toml "$results" "$@" stage.passage.train=true \
     train.start=0 train.speed=44.4 seat.before=16 track.length=24 track.sleeper_mass=400
 fi
-draw train_figures.py "$results" -o "$results/figures"
+draw figures "$results" --kind train -o "$results/figures"
 
 printf '\nDone in %d s. Figure: %s\n' $SECONDS "$PWD/$results/figures/train.png"

@@ -24,8 +24,7 @@ from yade.wrapper import (
 
 # Yade executes the text of this file, so that __file__ is Yade's own.
 sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent / "postproc"))
-import heap  # noqa: E402
-import read  # noqa: E402
+from trackbed_post import heap, read  # noqa: E402
 
 K_N, K_S = 2.5e9, 1e5     # N/m3 of overlap, N/m: a column of 0.24 m settles by 10 mm
 STEP = 1.25e-4            # s; a face of 2 cm2 has 5e5 N/m, the lightest stone then 2.3e-4 s

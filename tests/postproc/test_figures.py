@@ -1,21 +1,20 @@
 """Figures of results made of known functions: what is drawn, and its titles and labels."""
 import dataclasses
-import subprocess
-import sys
+import datetime
 
 import conftest
-import figures
 import made
 import matplotlib.image
-import measures
 import numpy as np
 import pytest
-import read
+from trackbed_post import bed_on_ground, kinds, measures, read, write
 
 
 def test_figures_of_two_runs_are_drawn(runs, tmp_path):
-    paths = figures.draw_all(runs, tmp_path)
-    assert {path.stem for path in paths} == set(figures.FIGURES)
+    folder = write.Folder(tmp_path)
+    bed_on_ground.draw_all(runs, folder)
+    paths = folder.pictures
+    assert {path.stem for path in paths} == set(bed_on_ground.FIGURES)
     for path in paths:
         picture = matplotlib.image.imread(path)
         assert min(picture.shape[:2]) > 300
@@ -25,13 +24,13 @@ def test_figures_of_two_runs_are_drawn(runs, tmp_path):
 
 
 def test_titles_contain_the_results(runs):
-    title = figures.envelope(runs).axes[0].get_title()
+    title = bed_on_ground.envelope(runs).axes[0].get_title()
     assert "wedge: 2." in title or "wedge: 1.9" in title
-    assert "jump 20 kPa" in figures.stress(runs).axes[0].get_title()
-    assert "without weight of the bed and static" in figures.stress(runs).axes[0].get_title()
-    assert figures.FILTER.name in figures.sleepers(runs).axes[3].get_ylabel()
-    assert "thickest line 0.9 kN" in figures.force_chains(runs).axes[0].get_title()
-    figures.plt.close("all")
+    assert "jump 20 kPa" in bed_on_ground.stress(runs).axes[0].get_title()
+    assert "without weight of the bed and static" in bed_on_ground.stress(runs).axes[0].get_title()
+    assert bed_on_ground.FILTER.name in bed_on_ground.sleepers(runs).axes[3].get_ylabel()
+    assert "thickest line 0.9 kN" in bed_on_ground.force_chains(runs).axes[0].get_title()
+    bed_on_ground.plt.close("all")
 
 
 def with_passage_chains(run, load):
@@ -47,11 +46,11 @@ def with_passage_chains(run, load):
 @pytest.mark.parametrize("load, stage", [(71e3, "load"), (5e3, "passage"), (0.0, "passage")])
 def test_overview_shows_the_stage_under_load_and_names_it(runs, load, stage):
     run = with_passage_chains(runs[0], load)
-    assert figures.under_load(run) == stage
-    title = figures.overview([run]).axes[0].get_title()
+    assert bed_on_ground.under_load(run) == stage
+    title = bed_on_ground.overview([run]).axes[0].get_title()
     assert f"end of stage {stage}, seat load {max(load, 5e3) / 1e3:.1f} kN" in title
-    assert figures.under_load(runs[0]) == "load"  # the only stage with force chains
-    figures.plt.close("all")
+    assert bed_on_ground.under_load(runs[0]) == "load"  # the only stage with force chains
+    bed_on_ground.plt.close("all")
 
 
 def test_energy_has_one_zero_for_the_potential(runs):
@@ -61,12 +60,12 @@ def test_energy_has_one_zero_for_the_potential(runs):
         energy={name: dataclasses.replace(item, values=item.values[later])
                 for name, item in runs[1].energy.items()})
     for both in ([runs[0], variant], [variant, runs[0]]):
-        axes = figures.energy(both).axes
+        axes = bed_on_ground.energy(both).axes
         assert [axis.get_ylabel().split(",")[0] for axis in axes] == ["kinetic (J)", "elastic",
                                                                       "potential"]
         ends = [line.get_ydata()[-1] for line in axes[2].lines[:2]]
         assert ends[0] == ends[1] == pytest.approx(100 * np.sin(runs[0].time[-1]))
-    figures.plt.close("all")
+    bed_on_ground.plt.close("all")
 
 
 def test_cells_of_a_region_are_weighted_by_their_stones_and_contacts(runs):
@@ -82,36 +81,36 @@ def test_cells_of_a_region_are_weighted_by_their_stones_and_contacts(runs):
     assert numbers["fabric zz"] == pytest.approx((90 * 0.4 + 20 * 0.6) / 110)
     text = measures.region_table(run)
     assert "slab" in text and "void ratio" in text and "0.8182" in text
-    lines = figures.bed_figures.regions(runs[:1]).axes[2].lines
+    lines = bed_on_ground.bed_figures.regions(runs[:1]).axes[2].lines
     assert lines[0].get_ydata()[0] == pytest.approx(8)
-    figures.plt.close("all")
+    bed_on_ground.plt.close("all")
 
 
 def test_grading_is_by_mass(runs):
     found = measures.passing(made.SIEVED, [0.02, 0.03, 0.035, 0.05])
     assert found == pytest.approx([0, 25, 25, 100])
-    axes = figures.bed_figures.grading(runs[:1]).axes[0]
+    axes = bed_on_ground.bed_figures.grading(runs[:1]).axes[0]
     built, asked = axes.lines
     assert built.get_ydata() == pytest.approx([25, 100])
     assert asked.get_ydata() == pytest.approx([0, 20, 100])
-    figures.plt.close("all")
+    bed_on_ground.plt.close("all")
 
 
 def test_section_is_across_the_track(runs):
-    axes = figures.bed_figures.section(runs[:1]).axes[0]
+    axes = bed_on_ground.bed_figures.section(runs[:1]).axes[0]
     mean = axes.lines[0]
     assert mean.get_xdata() == pytest.approx([-1, 0])  # no stones at y = 1
     assert mean.get_ydata() == pytest.approx([0.2, 0.5])
     assert "across" in axes.get_xlabel()
-    figures.plt.close("all")
+    bed_on_ground.plt.close("all")
 
 
 def test_outline_slopes_down_beside_the_crest(runs):
     deck = {"bed": {"crest": [-0.5, 0.5], "slope": 2.0}, "stage": [{"profile": 0.4}, {}]}
     run = dataclasses.replace(runs[0], deck=deck)
-    asked = figures.bed_figures.outline(run, np.array([-0.7, 0.0, 0.9]))
+    asked = bed_on_ground.bed_figures.outline(run, np.array([-0.7, 0.0, 0.9]))
     assert asked == pytest.approx([0.3, 0.4, 0.2])
-    assert figures.bed_figures.outline(
+    assert bed_on_ground.bed_figures.outline(
         dataclasses.replace(run, deck={"bed": {}, "stage": [{}]}), np.zeros(2)) is None
 
 
@@ -124,31 +123,44 @@ def test_force_distribution_is_a_density():
 
 
 def test_structure_and_wedge_have_different_shades(runs):
-    shades = {patch.get_facecolor() for patch in figures.stress(runs).axes[0].patches}
+    shades = {patch.get_facecolor() for patch in bed_on_ground.stress(runs).axes[0].patches}
     assert len(shades) == 2
-    figures.plt.close("all")
+    bed_on_ground.plt.close("all")
 
 
 def test_thickness_of_chains_is_proportional_to_their_force(runs):
-    lines = figures.force_chains(runs[:1]).axes[0].collections[-1]
-    assert lines.get_linewidths() == pytest.approx(np.array([1, 9]) / 9 * figures.CHAIN_WIDTH)
-    figures.plt.close("all")
+    lines = bed_on_ground.force_chains(runs[:1]).axes[0].collections[-1]
+    assert lines.get_linewidths() == pytest.approx(np.array([1, 9]) / 9 * bed_on_ground.CHAIN_WIDTH)
+    bed_on_ground.plt.close("all")
 
 
-def test_a_run_without_ground_draws_the_other_figures(tmp_path, capsys):
-    run = read.results(made.write(tmp_path / "bed", ground=False))
-    paths = figures.draw_all([run], tmp_path)
-    assert {path.stem for path in paths} == {"sleepers", "spectrum", "energy", "force_chains",
-                                             "regions", "forces", "grading", "section"}
-    assert " has no ground\n" in capsys.readouterr().out
+def test_a_run_without_ground_draws_the_other_figures(tmp_path):
+    folder = write.Folder(tmp_path)
+    bed_on_ground.draw_all([read.results(made.write(tmp_path / "bed", ground=False))], folder)
+    assert {path.stem for path in folder.pictures} == {
+        "sleepers", "spectrum", "energy", "force_chains", "regions", "forces", "grading",
+        "section"}
+    assert any(one.endswith(" has no ground") for one in folder.remarks)
 
 
 def test_command_line(tmp_path):
     made.write(tmp_path / "one")
-    run = subprocess.run([sys.executable, conftest.ROOT / "postproc/figures.py", tmp_path / "one",
-                          "-o", tmp_path / "out"], capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
-    assert "stress.png" in run.stdout and "stress jump" in run.stdout
-    failed = subprocess.run([sys.executable, conftest.ROOT / "postproc/figures.py", tmp_path],
-                            capture_output=True, text=True, check=False)
-    assert failed.returncode == 2 and "was the run completed?" in failed.stderr
+    ran = conftest.call("figures", tmp_path / "one", "-o", tmp_path / "out", "--format", "png,pdf")
+    assert ran.returncode == 0, ran.stderr
+    assert "stress.png" in ran.stdout and "stress jump" in ran.stdout
+    assert (tmp_path / "out/stress.pdf").read_bytes().startswith(b"%PDF")
+    for words, expected in (((tmp_path, "-o", tmp_path), "was the run completed?"),
+                            ((tmp_path / "one", "-o", tmp_path, "--format", "bmp"),
+                             "the formats are png, pdf, svg")):
+        failed = conftest.call("figures", *words)
+        assert failed.returncode == 2 and expected in failed.stderr, failed.stderr
+
+
+def test_pictures_name_program_run_and_day(runs, tmp_path):
+    folder = write.Folder(tmp_path, "trackbed 0: wedge")
+    figure = bed_on_ground.energy(runs)
+    folder.picture("energy", figure)
+    assert [text.get_text() for text in figure.texts][-1] == "trackbed 0: wedge"
+    made.write(tmp_path / "one")
+    today = datetime.date.today().isoformat()
+    assert kinds.origin_of([tmp_path / "one"]).endswith(f"one, drawn on {today}")

@@ -1,9 +1,9 @@
 """Tests of heap.py on stones of known shape and heaps of known angle."""
 import types
 
-import heap
 import numpy as np
 import pytest
+from trackbed_post import heap
 
 SIZE = 0.036    # m, width of the made stones
 ROUND = 0.002   # m, their rounding

@@ -1,10 +1,9 @@
 """Tests of laboratory.py on heaps and curves with known results."""
 import types
 
-import laboratory
 import numpy as np
 import pytest
-import read
+from trackbed_post import laboratory, read
 
 
 def quantity(values):

@@ -27,7 +27,7 @@ def write_bricks(path, bricks, values):
 
 
 def render(path, *arguments):
-    return subprocess.run([sys.executable, conftest.ROOT / "postproc/render.py", path, "-o",
+    return subprocess.run([sys.executable, conftest.ROOT / "postproc", "still", path, "-o",
                            path.with_suffix(".png"), *arguments], capture_output=True, text=True,
                           check=False)
 

@@ -1,14 +1,12 @@
 """The report of one run and of two: complete, well formed and without other files."""
 import html.parser
 import json
-import subprocess
-import sys
 
+import conftest
 import numpy as np
 import pytest
-import read
-import report
 from made import store
+from trackbed_post import kinds, read, report
 
 VOID = {"meta", "img"}
 
@@ -37,7 +35,7 @@ class Page(html.parser.HTMLParser):
 
 
 def made(folder, ended=True, deck='title = "5 < 6"\nmodel = "track"\n[track]\nlength = 20\n'):
-    """A track under seat loads, as track_figures.py draws it."""
+    """A track under seat loads, as track_figures draws it."""
     folder.mkdir()
     time = np.arange(0, 0.2, 1e-3)
     ones = np.ones((len(time), 1))
@@ -63,10 +61,8 @@ def made(folder, ended=True, deck='title = "5 < 6"\nmodel = "track"\n[track]\nle
 
 
 def write_report(folder, *runs):
-    ran = subprocess.run([sys.executable, report.__file__, *map(str, runs), "-o",
-                          str(folder / "out/report.html")], capture_output=True, text=True,
-                         check=False)
-    return ran, folder / "out/report.html"
+    path = folder / "out/report.html"
+    return conftest.call("report", *runs, "-o", path), path
 
 
 def test_report_of_two_runs_needs_no_other_file(tmp_path):
@@ -79,25 +75,43 @@ def test_report_of_two_runs_needs_no_other_file(tmp_path):
         assert cell in cells, cell
     assert any("one: wheels lost contact in 3 % & more" in text for text in page.text["p"])
     assert page.sources and all(source.startswith("data:image/") for source in page.sources)
-    assert {"track_figures.py: one", "track_figures.py: two"} <= set(page.text["h3"])
-    assert any("sleeper at 4.2 m, down" in text for text in page.text["pre"])
+    assert {"track: one", "track: two"} <= set(page.text["h3"])
+    assert any("sleeper at 4.2 m, down, largest" in text for text in page.text["pre"])
+
+
+def test_report_with_a_published_curve(tmp_path):
+    published = tmp_path / "paper.csv"
+    published.write_text("x_m,down_mm\n4.2,-1.0\n4.8,1.0\n")
+    ran, path = write_report(tmp_path, made(tmp_path / "one"), "--over",
+                             "envelope/rail/displacement_min", published)
+    assert ran.returncode == 0, ran.stderr
+    page = Page(path.read_text(encoding="utf-8"))
+    assert any(text.startswith("envelope/rail/displacement_min and paper.csv") for text in
+               page.text["h3"])
 
 
 def test_figures_that_cannot_be_drawn_are_named(tmp_path):
     bed = 'dimension = "plane"\n[[stage]]\nname = "train"\ntrain = true\n'
     run = report.Run(made(tmp_path / "one", deck=bed))
-    assert [words[0] for words in report.scripts_for([run])] == ["transition.py",
-                                                                 "train_figures.py"]
+    assert kinds.of_deck(run.deck) == ["transition", "train"]
     ran, path = write_report(tmp_path, run.folder)
     assert ran.returncode == 0 and "No further figures: " in path.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("deck, script", [('model = "ground"\n', "figures.py"),
-                                          ('dimension = "space"\n', "figures.py"),
-                                          ('model = "track_on_ground"\n', "track_figures.py")])
-def test_scripts_follow_from_the_model(tmp_path, deck, script):
-    run = report.Run(made(tmp_path / "one", deck=deck))
-    assert [words[0] for words in report.scripts_for([run])] == [script]
+@pytest.mark.parametrize("deck, kind", [({"model": "ground"}, "bed"),
+                                        ({"dimension": "space"}, "bed"),
+                                        ({"model": "track_on_ground"}, "track"),
+                                        ({"stage": [{"kind": "shear"}]}, "laboratory"),
+                                        ({"stage": [{"train": True}]}, "train")])
+def test_figures_follow_from_the_deck(deck, kind):
+    assert kinds.of_deck(deck) == [kind]
+
+
+def test_runs_that_share_no_picture_have_folders_of_their_own(tmp_path):
+    ran = conftest.call("compare", made(tmp_path / "a"), made(tmp_path / "b"), "-o", tmp_path / "c")
+    assert ran.returncode == 0, ran.stderr
+    for name in ("1_a", "2_b"):
+        assert (tmp_path / "c" / name / "track.png").is_file()
 
 
 def test_unlike_runs_and_other_files_are_refused(tmp_path):

@@ -4,8 +4,7 @@ import types
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-import read
-import train_figures
+from trackbed_post import read, train_figures
 
 
 def made(trains=1):
@@ -37,9 +36,9 @@ def test_settlement_of_each_axle():
     assert found["largest wheel force over the bed"] == (pytest.approx(60), "kN")
     assert found["least wheel force over the bed"] == (pytest.approx(50), "kN")
     # Right behind the axle the displacement is the deflection plus the settlement by this axle.
-    assert found["axle 1, sleepers down, mean"][0] == pytest.approx(1.1)
-    assert found["axle 2, sleepers down, most"][0] == pytest.approx(1.2)
-    assert found["axle 2, sleepers down, increase since axle 1, mean"][0] == pytest.approx(0.1)
+    assert found["axle 1, lowest sleeper level, down, mean of sleepers"][0] == pytest.approx(1.1)
+    assert found["axle 2, lowest sleeper level, down, largest"][0] == pytest.approx(1.2)
+    assert found["axle 2, the same, increase since axle 1, mean"][0] == pytest.approx(0.1)
     assert found["permanent settlement after the train, largest"][0] == pytest.approx(0.2)
 
 
@@ -65,7 +64,7 @@ def test_two_rails_are_distinguished():
     assert found["axle 1, left and right wheel, largest difference"][0] == pytest.approx(4)
     assert found["axle 2, left and right wheel, largest difference"][0] == pytest.approx(0)
     assert found["least wheel force over the bed"][0] == pytest.approx(46)
-    assert found["axle 1, sleepers down, mean"][0] == pytest.approx(1.1)
+    assert found["axle 1, lowest sleeper level, down, mean of sleepers"][0] == pytest.approx(1.1)
     assert found["left minus right seat height of a sleeper, largest"][0] == pytest.approx(3)
     figure = train_figures.draw(passing, {})
     labels = [line.get_label() for line in figure.axes[0].lines]
@@ -87,10 +86,10 @@ def test_panels():
 
 def test_runs_without_a_train_are_refused():
     run, every = made()
-    with pytest.raises(SystemExit) as refused:
+    with pytest.raises(read.Unreadable) as refused:
         train_figures.Passing(run, {})
     assert refused.value.code == 2
     every["history/wheel/x"] = read.Quantity(np.full((5, 2), np.nan), "m", "none")
-    with pytest.raises(SystemExit) as refused:
+    with pytest.raises(read.Unreadable) as refused:
         train_figures.Passing(run, every)
     assert refused.value.code == 2

@@ -4,8 +4,7 @@ import types
 
 import numpy as np
 import pytest
-import read
-import transition
+from trackbed_post import read, transition
 
 X = 0.6 * np.arange(1, 31)
 
@@ -58,9 +57,9 @@ def test_force_is_that_of_the_transition():
 
 def test_verdict_names_what_changes_clearly():
     text = stated(train(7.8), train(5.4, wedge_present=False))
-    assert "to plain track is 2.7 m instead of 0.54 m" in text
+    assert "90% of this change is reached 2.7 m behind the structure instead of 0.54 m" in text
     assert "between two sleepers is 0.2 instead of 1 mm/m (-80%)" in text
-    assert "the largest wheel force there is nearly the same (60 and 60 kN)" in text
+    assert "the largest wheel force in the transition is nearly the same (60 and 60 kN)" in text
 
 
 def test_verdict_compares_with_the_scatter_of_plain_track():

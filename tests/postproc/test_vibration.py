@@ -1,17 +1,12 @@
 """Third octaves, levels, weighting, measured files and the figure of vibrations."""
-import subprocess
-import sys
-
+import conftest
 import h5py
-import measured
 import numpy as np
 import pytest
-import read
 import scipy.io
 import scipy.io.wavfile
-import signals
-import vibration
 from made import store
+from trackbed_post import measured, read, signals, vibration
 
 STEP = 1e-3
 TIME = np.arange(0, 4, STEP)
@@ -111,10 +106,9 @@ def run_of_a_track(tmp_path):
 def test_figure_and_table_show_the_strongest_place_beside_a_measurement(run):
     other = write_csv(run / "m.csv", "time_s,a_m_s2\n" + "".join(
         f"{t:.6f},{2 * np.cos(2 * np.pi * 20 * t):.8f}\n" for t in TIME))
-    script = [sys.executable, vibration.__file__, str(run), "sleeper/acceleration", "-o",
-              str(run / "out")]
-    ran = subprocess.run([*script, "--measured", str(other)], check=True, capture_output=True,
-                         text=True)
+    command = ["vibration", run, "sleeper/acceleration", "-o", run / "out"]
+    ran = conftest.call(*command, "--measured", other)
+    assert ran.returncode == 0, ran.stderr
     assert "place 1" in ran.stdout and "the linear trend was removed" in ran.stdout
     assert (run / "out/vibration.png").stat().st_size > 10000
     rows = (run / "out/vibration.csv").read_text(encoding="utf-8").splitlines()
@@ -127,10 +121,10 @@ def test_figure_and_table_show_the_strongest_place_beside_a_measurement(run):
     for words, message in ((["--place", "2"], "has the places 0 to 1"),
                            (["--cut-off", "-1"], "must be above 0 Hz"),
                            (["--measured", str(run / "none.csv")], "does not exist")):
-        ran = subprocess.run([*script, *words], check=False, capture_output=True, text=True)
+        ran = conftest.call(*command, *words)
         assert ran.returncode == 2 and message in ran.stderr
-    script[3] = "body/roll"
-    ran = subprocess.run(script, check=False, capture_output=True, text=True)
+    command[2] = "body/roll"
+    ran = conftest.call(*command)
     assert ran.returncode == 2 and "is in rad" in ran.stderr
 
 

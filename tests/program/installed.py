@@ -52,6 +52,17 @@ def check_origin(program, place):
     return build
 
 
+def check_pip(data, folder, results):
+    """The package of Python is installed by pip from a copy, since pip writes beside its source."""
+    shutil.copytree(data / "postproc", folder / "source")
+    call(sys.executable, "-m", "pip", "install", "--no-index", "--no-deps", "--no-build-isolation",
+         "--target", folder / "site", folder / "source")
+    listed = call(sys.executable, "-m", "trackbed_post", "list", results, cwd="/",
+                  env={**os.environ, "PYTHONPATH": str(folder / "site")})
+    if "history/time" not in listed.stdout:
+        raise SystemExit(f"installed by pip, list: {listed.stdout}")
+
+
 def check_completion(usr):
     """What is proposed for the last word of a line."""
     script = usr / "share/bash-completion/completions/trackbed"
@@ -84,7 +95,12 @@ def main():
     stated = check_origin(program, place)
     if "-march=native" in stated and len(sys.argv) > 4:
         raise SystemExit(f"the package is for the processor of this machine: {stated}")
-    call(sys.executable, data / "postproc/read.py", place / "results.h5")
+    listed = call(usr / "bin/trackbed_post", "list", place / "results.h5",
+                  env={**os.environ, "TRACKBED_PYTHON": sys.executable})
+    if "history/time" not in listed.stdout:
+        raise SystemExit(f"trackbed_post list: {listed.stdout}")
+    if len(sys.argv) > 4:
+        check_pip(data, folder, place / "results.h5")
     for name in ("share/doc/trackbed/README.md", "share/doc/trackbed/docs/running.md",
                  "share/trackbed/input.schema.json"):
         if not (usr / name).is_file():

@@ -149,8 +149,9 @@ def main():
     pressed = folder / "uniaxial"
     program.done(1, "run", decks / "uniaxial.toml", *SHEAR[:9], "stage.fill.duration=0.25",
                  "--force", "-o", pressed)
-    drawn = subprocess.run([sys.executable, ROOT / "postproc/laboratory.py", *references, pressed,
-                            "-o", folder / "figures"], capture_output=True, text=True, check=False)
+    drawn = subprocess.run([sys.executable, ROOT / "postproc", "figures", *references, pressed,
+                            "--kind", "laboratory", "-o", folder / "figures"],
+                           capture_output=True, text=True, check=False)
     print(drawn.stdout, drawn.stderr)
     for picture in ("shear", "heap", "triaxial", "compression"):
         if not (folder / f"figures/{picture}.png").is_file():

@@ -63,14 +63,15 @@ def check_resume(program, folder):
 
 
 def check_figures(source, folder):
-    ran = subprocess.run([sys.executable, source / "postproc/train_figures.py", folder, "-o",
+    ran = subprocess.run([sys.executable, source / "postproc", "figures", folder, "-o",
                           folder / "figures"], capture_output=True, text=True, check=False)
-    if ran.returncode or "axle 4, sleepers down, increase since axle 1" not in ran.stdout:
-        raise SystemExit(f"train_figures.py: {ran.stdout}{ran.stderr}")
-    ran = subprocess.run([sys.executable, source / "postproc/track_figures.py", folder, "-o",
-                          folder / "figures"], capture_output=True, text=True, check=False)
-    if ran.returncode != 2 or "use train_figures.py" not in ran.stderr:
-        raise SystemExit(f"track_figures.py must refuse it: {ran.stdout}{ran.stderr}")
+    if ran.returncode or "axle 4, the same, increase since axle 1" not in ran.stdout:
+        raise SystemExit(f"figures: {ran.stdout}{ran.stderr}")
+    ran = subprocess.run([sys.executable, source / "postproc", "figures", folder, "--kind",
+                          "track", "-o", folder / "figures"], capture_output=True, text=True,
+                         check=False)
+    if ran.returncode != 2 or "use --kind train" not in ran.stderr:
+        raise SystemExit(f"--kind track must refuse it: {ran.stdout}{ran.stderr}")
 
 
 def deck_of_loop(source, folder):

@@ -15,7 +15,7 @@ import numpy as np
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "support"))
 sys.path.insert(0, str(HERE.parents[1] / "postproc"))
-import read  # noqa: E402
+from trackbed_post import read  # noqa: E402
 from program import Program, expect  # noqa: E402
 
 GRAVITY = 9.81

@@ -22,15 +22,20 @@ NO_WEDGE = ["ground.block.wedge.present=false", "ground.block.wedge_surface.pres
 STAGES = ["lay", "sleepers", "bed_in", "first_train", "train"]
 
 
-def figures(source, folder, *runs, film=False):
-    """What transition.py writes about these runs."""
-    made = folder / "_".join(("figures", *runs))
-    ran = subprocess.run([sys.executable, source / "postproc/transition.py",
-                          *(folder / run for run in runs), *(["--film"] if film else []), "-o",
-                          made],
-                         capture_output=True, text=True, check=False)
+def draw(source, *words):
+    ran = subprocess.run([sys.executable, source / "postproc", *words], capture_output=True,
+                         text=True, check=False)
     if ran.returncode or ran.stderr:
-        raise SystemExit(f"transition.py {runs}: {ran.returncode} {ran.stdout}{ran.stderr}")
+        raise SystemExit(f"{words}: {ran.returncode} {ran.stdout}{ran.stderr}")
+
+
+def figures(source, folder, *runs, film=False):
+    """What the commands `figures` and `film` write about these runs."""
+    made = folder / "_".join(("figures", *runs))
+    results = [folder / run for run in runs]
+    draw(source, "figures", *results, "--kind", "transition", "-o", made)
+    if film:
+        draw(source, "film", *results, "-o", made / "film.gif")
     for name in ("model.png", "transition.png", "transition.txt"):
         if not (made / name).stat().st_size:
             raise SystemExit(f"{name} is missing or empty")

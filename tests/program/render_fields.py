@@ -11,7 +11,7 @@ import re
 import subprocess
 import sys
 
-RENDER = pathlib.Path(__file__).resolve().parents[2] / "postproc/render.py"
+RENDER = pathlib.Path(__file__).resolve().parents[2] / "postproc"
 KINDS = {"stones", "contacts", "ground"}
 
 

@@ -165,10 +165,10 @@ def check_solid(of):
 
 
 def check_figures(source, folder):
-    ran = subprocess.run([sys.executable, source / "postproc/train_figures.py", folder, "-o",
+    ran = subprocess.run([sys.executable, source / "postproc", "figures", folder, "-o",
                           folder / "figures"], capture_output=True, text=True, check=False)
     if ran.returncode or "axle 1, left and right wheel, largest difference" not in ran.stdout:
-        raise SystemExit(f"train_figures.py: {ran.stdout}{ran.stderr}")
+        raise SystemExit(f"figures: {ran.stdout}{ran.stderr}")
     print(ran.stdout)
 
 

@@ -8,7 +8,7 @@ import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "postproc"))
-import read  # noqa: E402
+from trackbed_post import read  # noqa: E402
 
 # All of them, as the end of a path: counts, names, identifiers, ratios, unit vectors.
 PLAIN = {

@@ -13,7 +13,7 @@ import numpy as np
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "support"))
 sys.path.insert(0, str(HERE.parents[1] / "postproc"))
-import read  # noqa: E402
+from trackbed_post import read  # noqa: E402
 from program import Program, expect, summary  # noqa: E402
 from results import datasets, same_datasets  # noqa: E402
 

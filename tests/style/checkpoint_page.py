@@ -13,7 +13,7 @@ import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "postproc"))
-import read  # noqa: E402
+from trackbed_post import read  # noqa: E402
 
 BEGIN, END = "<!-- table -->\n", "<!-- end of table -->\n"
 

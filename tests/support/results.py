@@ -7,7 +7,7 @@ import numpy as np
 from program import summary
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "postproc"))
-import read  # noqa: E402
+from trackbed_post import read  # noqa: E402
 
 
 def values(found):

@@ -5,7 +5,7 @@
 // The lines in and near the band come from one convolution: with c_k = exp(sqrt(-1) pi k^2/(2n)),
 //   sum_i v_i exp(sqrt(-1) pi i j/n) = c_j sum_i (v_i c_i) conj(c_(j-i)),
 // by fast transforms of a length that is a power of two (Bluestein 1970,
-// doi:10.1109/TAU.1970.1162132): cost n log n, also for prime n. postproc/track_measures.py has the
+// doi:10.1109/TAU.1970.1162132): cost n log n, also for prime n. track_measures.py has the
 // same filter.
 #include "track/line/band.hpp"
 

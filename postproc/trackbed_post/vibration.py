@@ -1,27 +1,15 @@
-#!/usr/bin/env python3
-"""Draws vibrations: the signal, its spectrum and its third octaves, computed beside measured.
+"""Vibrations: a history as signal, spectrum and third octaves, beside a measured signal.
 
-    vibration.py RESULT_DIR QUANTITY [--place N] [--measured FILE[:COLUMN]] [--cut-off HZ] -o DIR
-
-QUANTITY is a history such as sleeper/acceleration, body/acceleration, ground/velocity or
-wheel/force; N the number of its column, from 0 (default: the one with the largest root mean
-square). Of a run in stages the last passage is used. FILE: CSV, MAT or WAV (measured.py). Writes
-vibration.png, vibration.csv (third octaves) and vibration.txt. What is computed: docs/postproc.md.
+Of a run in stages the last passage is used. What is computed: docs/postproc.md.
 """
-import argparse
 import dataclasses
 import io
 import pathlib
 
-import matplotlib
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
+import matplotlib.pyplot as plt
+import numpy as np
 
-import measured  # noqa: E402
-import read  # noqa: E402
-import signals  # noqa: E402
-import write  # noqa: E402
+from trackbed_post import measured, read, signals, write
 
 LEAST_ROWS = 32
 STYLES = ({"color": "tab:blue", "ls": "-"}, {"color": "tab:orange", "ls": "--"})
@@ -123,36 +111,22 @@ def table_of(shown):
     return "\n".join(rows) + "\n"
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("results", type=pathlib.Path)
-    parser.add_argument("quantity")
-    parser.add_argument("--place", type=int, default=-1)
-    parser.add_argument("--measured")
-    parser.add_argument("--cut-off", type=float, default=100.0)
-    parser.add_argument("-o", dest="folder", required=True, type=pathlib.Path)
-    given = parser.parse_args()
-    if not given.cut_off > 0:
-        raise read.Unreadable(f"--cut-off {given.cut_off:g}: must be above 0 Hz")
-    shown = [computed(given.results, given.quantity, given.place)]
-    if given.measured:
-        shown.append(measured.detrended(measured.load(given.measured)))
+def draw_into(results, folder, quantity, place=-1, other="", cut_off=100.0):
+    """Picture and tables of a history such as sleeper/acceleration of one run (its folder);
+    `place`: number of its column, -1 for the one with the largest root mean square; `other`:
+    FILE[:COLUMN] of a measured signal (measured.py); `cut_off`, Hz, of the low pass."""
+    if not cut_off > 0:
+        raise read.Unreadable(f"--cut-off {cut_off:g}: must be above 0 Hz")
+    shown = [computed(results, quantity, place)]
+    if other:
+        shown.append(measured.detrended(measured.load(other)))
         if shown[1].unit != shown[0].unit:
-            raise read.Unreadable(f"{given.measured} is in {shown[1].unit}, {given.quantity} in "
-                                  f"{shown[0].unit}")
+            raise read.Unreadable(f"{other} is in {shown[1].unit}, {quantity} in {shown[0].unit}")
     text = ""
     for signal in shown:
         text += f"{signal.name}\n" + "".join(f"  remark: {one}\n" for one in signal.remarks)
         text += "".join(f"  {name:58} {value:10.4g} {unit}\n"
                         for name, (value, unit) in numbers(signal).items())
-    write.folder(given.folder)
-    picture = io.BytesIO()
-    draw(shown, signals.LowPass(given.cut_off)).savefig(picture, dpi=130, format="png")
-    write.whole(given.folder / "vibration.png", picture.getvalue())
-    write.whole(given.folder / "vibration.csv", table_of(shown).encode())
-    write.whole(given.folder / "vibration.txt", text.encode())
-    print(text, end="")
-
-
-if __name__ == "__main__":
-    main()
+    folder.picture("vibration", draw(shown, signals.LowPass(cut_off)))
+    folder.file("vibration.csv", table_of(shown))
+    folder.table("vibration.txt", text)

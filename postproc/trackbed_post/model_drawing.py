@@ -7,8 +7,7 @@ import matplotlib.lines
 import matplotlib.patches
 import numpy as np
 
-import measures
-import read
+from trackbed_post import measures, read
 
 LAYERS = ("#e8dcc0", "#d9c7a0", "#c8b184", "#b79b6c")  # from the top down
 STRUCTURE = {"facecolor": "#9aa0a6", "edgecolor": "#4d4d4d", "hatch": "//"}
@@ -44,11 +43,6 @@ def heading(run):
     return (f"{run.deck.get('title', run.name)} ({vehicles}, "
             f"{3.6 * train.get('speed', 0):.0f} km/h; plane model, "
             f"{run.deck.get('thickness', 0):g} m thick)")
-
-
-def stamp(figure, run):
-    figure.text(0.995, 0.004, f"trackbed {run.version}", fontsize=7, ha="right", va="bottom",
-                color="0.4")
 
 
 def shade_blocks(panel, run, names):

@@ -1,27 +1,17 @@
-#!/usr/bin/env python3
-"""Draws the figures of one run or of two runs side by side and prints a table of their results.
+"""Figures of a bed on a ground, of one run or of two side by side, and a table of their results.
 
-    figures.py RESULT_DIR [OTHER_DIR] -o DIR
-
-RESULT_DIR holds results.h5. Writes PNG files and table.txt into DIR. A figure whose data are
-missing in a run is skipped with a message. How each number is computed: docs/postproc.md.
+A figure whose data are missing in a run is skipped with a remark. How each number is computed:
+docs/postproc.md.
 """
-import argparse
 import io
 import pathlib
 
-import matplotlib
-matplotlib.use("Agg")
-import matplotlib.collections  # noqa: E402
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
+import matplotlib.collections
+import matplotlib.pyplot as plt
+import numpy as np
 
-import bed_figures  # noqa: E402
-import measures  # noqa: E402
-import read  # noqa: E402
-import signals  # noqa: E402
-import write  # noqa: E402
-from bed_figures import COLOURS, Missing, needs  # noqa: E402
+from trackbed_post import bed_figures, measures, read, signals, write
+from trackbed_post.bed_figures import COLOURS, Missing, needs
 
 GRAVITY = 9.81        # m/s^2
 FILTER = signals.LowPass()
@@ -318,50 +308,32 @@ FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "st
 
 
 def draw_all(runs, folder):
-    """Draws every figure into `folder`, writes table.txt; returns the paths of the figures."""
-    write.folder(folder)
-    paths = []
+    """Draws every figure and the table into a write.Folder."""
     for name, draw in FIGURES.items():
         try:
             figure = draw(runs)
         except Missing as missing:
-            print(f"{name}.png is skipped: {missing}")
+            folder.remarks.append(f"{name}.png is skipped: {missing}")
             continue
-        figure.tight_layout()
-        paths.append(folder / f"{name}.png")
-        picture = io.BytesIO()
-        figure.savefig(picture, dpi=130)
-        plt.close(figure)
-        write.whole(paths[-1], picture.getvalue())
+        figure.tight_layout(rect=(0, write.ORIGIN, 1, 1))
+        folder.picture(name, figure)
     text = measures.table(runs) + "".join(measures.region_table(run) for run in runs)
     text += "".join(f"warning of {run.name}: {line}\n" for run in runs for line in run.warnings)
-    write.whole(folder / "table.txt", text.encode())
-    return paths
+    folder.table("table.txt", text)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("result", type=pathlib.Path, help="folder with results.h5")
-    parser.add_argument("other", type=pathlib.Path, nargs="?", help="a second run to compare with")
-    parser.add_argument("-o", "--output", type=pathlib.Path, default=pathlib.Path("figures"))
-    arguments = parser.parse_args()
-    runs = [read.results(path) for path in (arguments.result, arguments.other) if path]
+def draw_into(results, folder):
+    """Pictures and table of one run, or of two compared; `results`: their folders."""
+    runs = [read.results(path) for path in results]
     for run in runs:
         if run.deck.get("model") == "stones":
-            raise read.Unreadable(f"{run.name}: contains single stones only; read.py lists "
-                                  "their histories")
+            raise read.Unreadable(f"{run.name}: contains single stones only; the command `list` "
+                                  "lists their histories")
         if run.deck.get("model") == "ground":
-            raise read.Unreadable(f"{run.name}: contains a ground alone; read.py lists its "
-                                  "histories")
+            raise read.Unreadable(f"{run.name}: contains a ground alone; the command `list` lists "
+                                  "its histories")
         if run.deck.get("model", "bed") != "bed":
-            raise read.Unreadable(f"{run.name}: contains a track without a bed; use "
-                                  "track_figures.py")
+            raise read.Unreadable(f"{run.name}: contains a track without a bed")
         if not len(run.time):
             raise read.Unreadable(f"{run.name}: results.h5 contains no row of the histories yet")
-    for path in draw_all(runs, arguments.output):
-        print(path)
-    print((arguments.output / "table.txt").read_text(encoding="utf-8"), end="")
-
-
-if __name__ == "__main__":
-    main()
+    draw_all(runs, folder)

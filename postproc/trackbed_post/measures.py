@@ -148,7 +148,8 @@ def why_no_transition(results):
     """Why a run has no transition; empty if it has one."""
     return why_no_envelope(results) or (
         "" if edge_of_structure(results) is not None else
-        f'{results.name}: no present ground block named "structure" ends within the ground')
+        f'{results.name}: no ground block named "structure" with present = true ends within '
+        "the ground")
 
 
 def transition(results, wedge=0.0):
@@ -201,8 +202,8 @@ ROWS = (  # label, unit, field, factor
     ("steepest slope of the ground, whole line", "mm/m", "steepest", 1e3),
     ("  which is at x =", "m", "steepest_x", 1),
     ("steepest slope within a spacing of the edge", "mm/m", "edge_slope", 1e3),
-    ("stress before the edge, mean of one spacing", "kPa", "stress_structure", 1e-3),
-    ("stress behind the edge, mean of one spacing", "kPa", "stress_beyond", 1e-3),
+    ("stress on the structure, one spacing at its edge", "kPa", "stress_structure", 1e-3),
+    ("stress beyond the structure, the same", "kPa", "stress_beyond", 1e-3),
     ("stress jump at the edge, between these means", "kPa", "stress_jump", 1e-3),
     ("largest sleeper displacement in the passage", "mm", "sleeper_displacement", 1e3),
     ("largest residual sleeper displacement after it", "mm", "sleeper_residual", 1e3),
@@ -304,7 +305,7 @@ def effect(first, second, by_wedge):
     far = _change(first.far_displacement, second.far_displacement)
     differs = np.isfinite(far) and abs(far) > CLEAR
     if np.isfinite(far):
-        lines.append(f"plain track beyond the wedge: {far:+.0%}: " + (
+        lines.append(f"ground displacement on plain track beyond the wedge: {far:+.0%}: " + (
             f"equal within {CLEAR:.0%}, so the runs are comparable" if abs(far) <= CLEAR else
             f"differs by more than {CLEAR:.0%}, although neither run has a wedge there: the runs "
             "are not comparable"))

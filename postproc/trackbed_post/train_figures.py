@@ -1,24 +1,14 @@
-#!/usr/bin/env python3
-"""Draws the results of a stage with train = true on a bed and prints a table of them.
-
-    train_figures.py RESULT_DIR -o DIR
-
-RESULT_DIR holds results.h5. Writes train.png (wheel forces along the track, displacement of each
-sleeper under each axle, settlement by the axles) and train.txt into DIR. Definition of the numbers:
-docs/track.md.
+"""Vehicles over a bed, a stage with train = true: wheel forces along the track, displacement of
+each sleeper under each axle, settlement by the axles, and a table of them. Definition of the
+numbers: docs/track.md.
 """
-import argparse
 import io
 import pathlib
 
-import matplotlib
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
+import matplotlib.pyplot as plt
+import numpy as np
 
-import measures  # noqa: E402
-import read  # noqa: E402
-import write  # noqa: E402
+from trackbed_post import measures, read, write
 
 SHOWN_WHEELS = 8  # the first wheels are shown
 
@@ -55,8 +45,8 @@ class Passing:
 
     def __init__(self, run, every):
         if "history/wheel/x" not in every or not len(run.sleepers_x):
-            raise read.Unreadable("this run has no train over a bed; use figures.py for seat loads "
-                                  "and track_figures.py for a track alone")
+            raise read.Unreadable("this run has no train over a bed; use --kind bed for seat loads "
+                                  "and --kind track for a track alone")
         def rows_of(name):
             values = every[f"history/{name}"].values
             return values.reshape(len(values), -1)
@@ -97,17 +87,17 @@ def numbers(passing):
         if force.shape[2] == 2:
             found[f"axle {axle + 1}, left and right wheel, largest difference"] = (
                 np.nanmax(np.abs(force[:, axle, 0] - force[:, axle, 1])) / 1e3, "kN")
-        found[f"axle {axle + 1}, sleepers down, mean"] = (
+        found[f"axle {axle + 1}, lowest sleeper level, down, mean of sleepers"] = (
             -1e3 * np.nanmean(passing.lowest[axle]), "mm")
-        found[f"axle {axle + 1}, sleepers down, most"] = (
+        found[f"axle {axle + 1}, lowest sleeper level, down, largest"] = (
             -1e3 * np.nanmin(passing.lowest[axle]), "mm")
-        found[f"axle {axle + 1}, sleepers down, increase since axle 1, mean"] = (
+        found[f"axle {axle + 1}, the same, increase since axle 1, mean"] = (
             1e3 * np.nanmean(passing.sunk_since_first()[axle]), "mm")
     if passing.seats is not None:
         lean = passing.seats[..., 0] - passing.seats[..., 1]
         found["left minus right seat height of a sleeper, largest"] = (1e3 * lean.max(), "mm")
         found["left minus right seat height of a sleeper, smallest"] = (1e3 * lean.min(), "mm")
-    found["rail above a sleeper, down, most"] = (-1e3 * passing.rail.min(), "mm")
+    found["rail above the sleepers, down, largest"] = (-1e3 * passing.rail.min(), "mm")
     left = -1e3 * passing.left
     found["permanent settlement after the train, mean of sleepers"] = (left.mean(), "mm")
     found["permanent settlement after the train, largest"] = (left.max(), "mm")
@@ -144,25 +134,14 @@ def draw(passing, blocks):
     return figure
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("results", type=pathlib.Path)
-    parser.add_argument("-o", dest="folder", required=True, type=pathlib.Path)
-    given = parser.parse_args()
-    every = read.datasets(given.results)
+def draw_into(results, folder):
+    """Picture and table of one run; `results`: its folder, in a list."""
+    every = read.datasets(results[0])
     if "history/energy/kinetic" not in every:
-        raise read.Unreadable("this is a track alone, without a bed: use track_figures.py")
-    run = read.results(given.results)
+        raise read.Unreadable(f"{results[0]}: contains a track alone, without a bed")
+    run = read.results(results[0])
     passing = Passing(run, every)
     text = "".join(f"{name:60} {value:10.4g} {unit}\n"
                    for name, (value, unit) in numbers(passing).items())
-    write.folder(given.folder)
-    picture = io.BytesIO()
-    draw(passing, measures.blocks(run)).savefig(picture, dpi=130, format="png")
-    write.whole(given.folder / "train.png", picture.getvalue())
-    write.whole(given.folder / "train.txt", text.encode())
-    print(text, end="")
-
-
-if __name__ == "__main__":
-    main()
+    folder.picture("train", draw(passing, measures.blocks(run)))
+    folder.table("train.txt", text)

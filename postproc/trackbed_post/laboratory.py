@@ -1,24 +1,15 @@
-#!/usr/bin/env python3
 """Laboratory tests of ballast compared with published values: shear, triaxial, compression, heaps.
 
-    laboratory.py RESULTS... -o DIR
-
-Each RESULTS is the folder of a run with a stage of kind `shear`, `triaxial`, `lift_walls`, or
-several of kind `compact`; runs of one kind share a figure. Writes shear.png, triaxial.png,
-compression.png, heap.png (those for which there are runs) and laboratory.txt, the printed table.
-Definition of the numbers, sources of the published values, and reasons for differences:
-docs/laboratory.md.
+A laboratory test is a run with a stage of kind `shear`, `triaxial`, `lift_walls`, or several of
+kind `compact`; runs of one kind share a figure (shear, triaxial, heap, compression). Definition of
+the numbers, sources of the published values, and reasons for differences: docs/laboratory.md.
 """
-import argparse
 import pathlib
 
-import matplotlib
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
+import matplotlib.pyplot as plt
+import numpy as np
 
-import heap  # noqa: E402
-import read  # noqa: E402
+from trackbed_post import heap, read
 
 GRAVITY = 9.81   # m/s^2
 SMOOTH = 1e-3    # m of displacement over which stresses are averaged; a row is a mean over a window
@@ -152,8 +143,7 @@ def draw_shear(runs, folder):
     bottom.set_xlabel("displacement of the lower half, mm")
     top.set_ylim(bottom=0)
     top.legend(fontsize=8)
-    figure.savefig(folder / "shear.png", dpi=130)
-    plt.close(figure)
+    folder.picture("shear", figure)
     return lines
 
 
@@ -195,8 +185,7 @@ def draw_triaxial(runs, folder):
     bottom.set_xlabel("axial strain, %")
     top.set_ylim(bottom=0)
     top.legend(fontsize=8)
-    figure.savefig(folder / "triaxial.png", dpi=130)
-    plt.close(figure)
+    folder.picture("triaxial", figure)
     return lines
 
 
@@ -222,8 +211,7 @@ def draw_compression(runs, folder):
     axes.set_ylabel("pressure of the platen, kPa")
     axes.set_xlim(0, 130 * max(strain for run in runs for _, strain, _ in compression(run)))
     axes.legend(fontsize=8)
-    figure.savefig(folder / "compression.png", dpi=130)
-    plt.close(figure)
+    folder.picture("compression", figure)
     return lines
 
 
@@ -256,17 +244,13 @@ def draw_heaps(runs, folder):
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
     axes.legend(fontsize=8)
-    figure.savefig(folder / "heap.png", dpi=130)
-    plt.close(figure)
+    folder.picture("heap", figure)
     return lines
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("results", nargs="+")
-    parser.add_argument("-o", dest="folder", required=True, type=pathlib.Path)
-    given = parser.parse_args()
-    runs = [(read.results(path), path) for path in given.results]
+def draw_into(results, folder):
+    """Pictures and table of any number of runs, given by their folders."""
+    runs = [(read.results(path), path) for path in results]
     sheared = [run for run, _ in runs if "shear" in kinds(run)]
     heaps = [(run, path) for run, path in runs if "lift_walls" in kinds(run)]
     squeezed = [run for run, _ in runs if "triaxial" in kinds(run)]
@@ -277,15 +261,8 @@ def main():
         raise read.Unreadable(f"not a laboratory test: {', '.join(others)}; such a test has a "
                               "stage of kind shear, triaxial or lift_walls, or several of kind "
                               "compact")
-    given.folder.mkdir(parents=True, exist_ok=True)
     lines = []
     for draw, those in ((draw_shear, sheared), (draw_triaxial, squeezed),
                         (draw_compression, pressed), (draw_heaps, heaps)):
-        lines += draw(those, given.folder) if those else []
-    text = "\n".join(lines) + "\n"
-    (given.folder / "laboratory.txt").write_text(text, encoding="utf-8")
-    print(text, end="")
-
-
-if __name__ == "__main__":
-    main()
+        lines += draw(those, folder) if those else []
+    folder.table("laboratory.txt", "\n".join(lines) + "\n")

@@ -1,29 +1,19 @@
-#!/usr/bin/env python3
-"""Draws a run of a track alone (model = "track") and prints a table of its results. Extremes are
+"""A track alone (model = "track", or on a ground): figures and a table of its results. Extremes are
 those of every step if the run has them, otherwise those of the rows of its histories. Wheel forces
 are those between the run-ins, where the track has its given properties.
 
-    track_figures.py RESULT_DIR -o DIR
-
-RESULT_DIR holds results.h5. Writes into DIR track.png (wheel forces, rail and sleepers, seat loads,
-sleeper acceleration, as far as the run has them), envelope.png (extremes along the track) and
-track.txt; for a run whose only force is one impact also receptance.png and .csv of each point of
-the rail. The figures are explained in docs/track.md.
+Pictures: track (wheel forces, rail and sleepers, seat loads, sleeper acceleration, as far as the
+run has them), envelope (extremes along the track), and for a run whose only force is one impact
+receptance, also as CSV, of each point of the rail. The figures are explained in docs/track.md.
 """
-import argparse
 import io
 import json
 import pathlib
 
-import matplotlib
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
+import matplotlib.pyplot as plt
+import numpy as np
 
-import read  # noqa: E402
-import signals  # noqa: E402
-import track_measures  # noqa: E402
-import write  # noqa: E402
+from trackbed_post import read, signals, track_measures, write
 
 FILTER = signals.LowPass()
 SHOWN_AXLES = 4  # axles of the first rolling vehicle
@@ -52,11 +42,11 @@ def loaded(run):
     """Datasets of a run of a track alone, by path."""
     run = read.datasets(run)
     if "history/energy/kinetic" in run and "history/wheel/force" in run:
-        raise read.Unreadable("this is a train over a bed: use train_figures.py")
+        raise read.Unreadable("this is a train over a bed: use --kind train")
     if not any(name in run for name in ("history/wheel/force", "history/rail/force",
                                         "envelope/x")):
         raise read.Unreadable("this is not a run of a track alone: it has neither wheels nor "
-                              "forces on the rail; use figures.py")
+                              "forces on the rail; use --kind bed")
     return run
 
 
@@ -151,13 +141,13 @@ def numbers(run, length, extremes=None, run_in=0):
         if "extreme/rail/displacement" in run:
             lowest = run["extreme/rail/displacement"].values.ravel()
         for x, down in zip(places(run, "rail/x"), -np.asarray(lowest)):
-            found[f"rail at {x}, down"] = (1e3 * down + 0.0, "mm")  # avoids minus zero
+            found[f"rail at {x}, down, largest"] = (1e3 * down + 0.0, "mm")  # avoids minus zero
     if "sleepers/x" not in run:
         return found
     acceleration = FILTER(time, history(run, "sleeper/acceleration"))
     lowest, most = of_sleepers(run, "displacement", "min"), of_sleepers(run, "seat_force", "max")
     for i, x in enumerate(places(run, "sleepers/x")):
-        found[f"sleeper at {x}, down"] = (-1e3 * lowest[i], "mm")
+        found[f"sleeper at {x}, down, largest"] = (-1e3 * lowest[i], "mm")
         found[f"seat at {x}, largest load"] = (most[i] / 1e3, "kN")
         found[f"sleeper at {x}, acceleration, {FILTER.name_for(time)}"] = (
             np.abs(acceleration[:, i]).max(), "m/s2")
@@ -307,35 +297,19 @@ def deck_of(run):
     return read.results(run).deck
 
 
-def write_figure(path, figure):
-    picture = io.BytesIO()
-    figure.savefig(picture, dpi=130, format="png")
-    write.whole(path, picture.getvalue())
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("results", type=pathlib.Path)
-    parser.add_argument("-o", dest="folder", required=True, type=pathlib.Path)
-    given = parser.parse_args()
-    run, deck = loaded(given.results), deck_of(given.results)
+def draw_into(results, folder):
+    """Pictures and table of one run; `results`: its folder, in a list."""
+    run, deck = loaded(results[0]), deck_of(results[0])
     length = deck["track"]["length"]
     if deck.get("passage", {}).get("loaded_by") == "seats":
         run = without_rail(run)
-    write.folder(given.folder)
     if histories := draw(run, length):
-        write_figure(given.folder / "track.png", histories)
+        folder.picture("track", histories)
     if along := draw_envelope(run):
-        write_figure(given.folder / "envelope.png", along)
+        folder.picture("envelope", along)
     if found := receptances(run):
-        write_figure(given.folder / "receptance.png", draw_receptances(*found))
-        write.whole(given.folder / "receptance.csv", table_of(*found).encode())
-    text = "".join(f"{name:60} {value:10.4g} {unit}\n"
-                   for name, (value, unit) in numbers(run, length, extremes_of(given.results),
-                                                      run_in_of(deck)).items())
-    write.whole(given.folder / "track.txt", text.encode())
-    print(text, end="")
-
-
-if __name__ == "__main__":
-    main()
+        folder.picture("receptance", draw_receptances(*found))
+        folder.file("receptance.csv", table_of(*found))
+    folder.table("track.txt", "".join(
+        f"{name:60} {value:10.4g} {unit}\n" for name, (value, unit) in numbers(
+            run, length, extremes_of(results[0]), run_in_of(deck)).items()))

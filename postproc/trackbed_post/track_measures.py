@@ -1,7 +1,7 @@
 """Quantities of a track alone that are derived from its histories."""
 import numpy as np
 
-import signals
+from trackbed_post import signals
 
 D1 = (3.0, 25.0)  # m, wavelengths, EN 13848-1
 ORDER = 4         # of the Butterworth prototype; -3 dB at both limits

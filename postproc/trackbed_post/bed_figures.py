@@ -2,7 +2,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-import measures
+from trackbed_post import measures
 
 COLOURS = ("tab:blue", "tab:orange")
 

@@ -1,28 +1,18 @@
-#!/usr/bin/env python3
-"""Writes one HTML file of a run, or of two side by side: what was modelled, stages, warnings,
-figures, numbers, balances and cost. It needs no other file and can be sent as it is.
+"""One HTML file of a run, or of two side by side: what was modelled, stages, warnings, figures,
+numbers, balances and cost. It needs no other file and can be sent as it is.
 
-    report.py RESULT_DIR [OTHER_DIR] -o FILE.html
-
-Figures and numbers are those of the scripts for this kind of run (transition.py, figures.py,
-train_figures.py, track_figures.py). While a run goes on, the report shows what its histories hold
-up to now; stages, balances and cost follow when summary.json exists.
+Figures and numbers are those of the command `figures`. While a run goes on, the report shows what
+its histories hold up to now; stages, balances and cost follow when summary.json exists.
 """
-import argparse
 import base64
+import functools
 import html
 import json
-import os
 import pathlib
-import subprocess
-import sys
 import tempfile
 
-import read
-import write
+from trackbed_post import curves, kinds, read, write
 
-HERE = pathlib.Path(__file__).resolve().parent
-MIME = {".png": "image/png", ".gif": "image/gif"}
 
 STYLE = """
 body { font-family: sans-serif; margin: 2em auto; max-width: 70em; color: #222; }
@@ -54,37 +44,6 @@ class Run:
         return "finished" if self.summary["finished"] else "stopped early"
 
 
-def has_no_stones(run):
-    return run.deck.get("model") in ("track", "track_on_ground")
-
-
-def has_train(run):
-    return any(stage.get("train") for stage in run.deck.get("stage", []))
-
-
-def scripts_for(runs):
-    """Command lines without -o, for the kind of the first run."""
-    folders = [str(run.folder) for run in runs]
-    if has_no_stones(runs[0]):
-        return [["track_figures.py", folder] for folder in folders]
-    found = [["figures.py", *folders]]
-    if has_train(runs[0]):
-        found = [["train_figures.py", folder] for folder in folders]
-        if runs[0].deck.get("dimension") == "plane":
-            found.insert(0, ["transition.py", *folders])
-    return found
-
-
-def drawn(words, folder):
-    """Runs a script; (its pictures, its text, or why it has none)."""
-    folder.mkdir()
-    ran = subprocess.run([sys.executable, str(HERE / words[0]), *words[1:], "-o", str(folder)],
-                         capture_output=True, text=True, check=False,
-                         env={**os.environ, "MPLBACKEND": "Agg"})
-    pictures = sorted(path for path in folder.iterdir() if path.suffix in MIME)
-    return pictures, ran.stdout, ran.stderr.strip() if ran.returncode else ""
-
-
 def element(tag, text, **attributes):
     words = "".join(f' {name}="{html.escape(value)}"' for name, value in attributes.items())
     return f"<{tag}{words}>{html.escape(text)}</{tag}>"
@@ -92,7 +51,7 @@ def element(tag, text, **attributes):
 
 def embedded(path):
     data = base64.b64encode(path.read_bytes()).decode()
-    return f'<img alt="{html.escape(path.stem)}" src="data:{MIME[path.suffix]};base64,{data}">'
+    return f'<img alt="{html.escape(path.stem)}" src="data:image/png;base64,{data}">'
 
 
 def table(head, rows):
@@ -163,27 +122,38 @@ def warnings_of(runs):
                                        else "Known when the run has ended.")
 
 
-def figures_of(runs, folder):
-    """Pictures and printed numbers of each script."""
+def compared_with(results, over):
+    """A Part for each (quantity, file): the runs' curve beside a measured or published one."""
+    return [kinds.Part(f"{quantity} and {pathlib.Path(file).name}", results,
+                       functools.partial(curves.draw_into, results, quantity=quantity, over=[file]))
+            for quantity, file in over]
+
+
+def figures_of(runs, folder, over):
+    """Pictures and numbers of each kind of figure, and of each comparison in `over`."""
     parts = []
-    for i, words in enumerate(scripts_for(runs)):
-        pictures, text, problem = drawn(words, folder / str(i))
-        names = ", ".join(pathlib.Path(one).resolve().name for one in words[1:])
-        parts.append(element("h3", f"{words[0]}: {names}"))
-        parts += [embedded(path) for path in pictures]
-        if text:
-            parts.append(element("pre", text))
-        if problem:
-            parts.append(element("p", f"No further figures: {problem}"))
+    results = [run.folder for run in runs]
+    every = [*kinds.parts_of(results, kinds.of_deck(runs[0].deck)), *compared_with(results, over)]
+    for i, part in enumerate(every):
+        made = write.Folder(folder / str(i), kinds.origin_of(part.results))
+        names = ", ".join(path.resolve().name for path in part.results)
+        parts.append(element("h3", f"{part.kind}: {names}"))
+        try:
+            part.draw(made)
+        except read.Unreadable as why:
+            made.remarks.append(f"No further figures: {why}")
+        parts += [embedded(path) for path in made.pictures]
+        parts += [element("pre", text) for text in made.tables]
+        parts += [element("p", one) for one in made.remarks]
     return "\n".join(parts)
 
 
-def page(runs, folder):
+def page(runs, folder, over):
     head = ["", *(run.name for run in runs)]
     parts = [element("h1", " and ".join(run.name for run in runs)),
              table(head, side_by_side(runs, facts_of)),
              element("h2", "Warnings"), warnings_of(runs),
-             element("h2", "Figures and numbers"), figures_of(runs, folder)]
+             element("h2", "Figures and numbers"), figures_of(runs, folder, over)]
     for run in runs:
         heading, rows = stages_of(run)
         if rows:
@@ -200,21 +170,13 @@ def page(runs, folder):
             f"<style>{STYLE}</style></head>\n<body>\n" + "\n".join(parts) + "\n</body></html>\n")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("results", type=pathlib.Path, nargs="+")
-    parser.add_argument("-o", dest="file", required=True, type=pathlib.Path)
-    given = parser.parse_args()
-    if len(given.results) > 2:
+def write_report(results, file, over=()):
+    """Writes the report of one run or of two, given by their folders. `over`: (quantity, file) of
+    measured or published curves, as in curves.draw_into()."""
+    if len(results) > 2:
         raise read.Unreadable("give one or two result folders")
-    runs = [Run(folder) for folder in given.results]
-    if len({has_no_stones(run) for run in runs}) > 1:
-        raise read.Unreadable("a track without stones and a bed of stones cannot be compared")
-    write.folder(given.file.resolve().parent)
+    runs = [Run(folder) for folder in results]
+    kinds.require_comparable([run.deck for run in runs])
+    write.folder(file.resolve().parent)
     with tempfile.TemporaryDirectory() as folder:
-        write.whole(given.file, page(runs, pathlib.Path(folder)).encode())
-    print(f"{given.file}: {given.file.stat().st_size / 1e6:.1f} MB")
-
-
-if __name__ == "__main__":
-    main()
+        write.whole(file, page(runs, pathlib.Path(folder), over).encode())

@@ -1,14 +1,8 @@
-#!/usr/bin/env python3
-"""Renders one field file with VTK without a screen.
+"""A picture of one field file, made with VTK without a screen.
 
-    render.py FILE.vtkhdf -o PICTURE.png [--array NAME]
-
-The view is along y, coloured by NAME (default: the first array that is not constant; a vector by
-its magnitude). ParaView opens the same file and has more options. Ends with 1 if the picture has
-one colour only, with 2 if there is nothing to draw or the path of the picture is invalid, with 4 if
-it cannot be written.
+The view is along y, coloured by one array (default: the first that is not constant; a vector by its
+magnitude). ParaView opens the same file and has more options.
 """
-import argparse
 import os
 import pathlib
 import shutil
@@ -16,14 +10,13 @@ import subprocess
 import sys
 import tempfile
 
-import read
-import write
+from trackbed_post import read, write
 
 SIZE = (1200, 500)  # pixels
 
 
 def with_screen():
-    """Debian's VTK needs X: without a display this program runs again under xvfb-run."""
+    """Debian's VTK needs X: without a display this command runs again under xvfb-run."""
     if os.environ.get("DISPLAY"):
         return
     if not shutil.which("xvfb-run"):
@@ -32,7 +25,8 @@ def with_screen():
     # still writes there.
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         done = subprocess.run(["xvfb-run", "-a", "-f", os.path.join(folder, "Xauthority"),
-                               sys.executable, *sys.argv], check=False)
+                               sys.executable, "-m", "trackbed_post", *sys.argv[1:]], check=False,
+                              env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
     sys.exit(done.returncode)
 
 
@@ -138,27 +132,21 @@ def count_colours(vtk, window):
     return len(np.unique(pixels[np.any(pixels != 255, axis=1)], axis=0))
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("file")
-    parser.add_argument("-o", "--output", required=True)
-    parser.add_argument("--array")
-    arguments = parser.parse_args()
-    if not arguments.output.endswith(".png"):
-        raise read.Unreadable(f"{arguments.output}: the name of the picture must end in .png")
-    if not os.path.isfile(arguments.file):
-        raise read.Unreadable(f"{arguments.file} does not exist or is not a file")
-    write.folder(pathlib.Path(arguments.output).parent)
+def render(file, picture, array=None):
+    """Draws a VTKHDF file into a PNG file; number of colours in the picture."""
+    if not picture.endswith(".png"):
+        raise read.Unreadable(f"{picture}: the name of the picture must end in .png")
+    if not os.path.isfile(file):
+        raise read.Unreadable(f"{file} does not exist or is not a file")
+    write.folder(pathlib.Path(picture).parent)
     with_screen()
     import vtk
-    grid = read_grid(vtk, arguments.file)
-    colours = draw(vtk, grid, arguments.array, arguments.output)
-    print(f"{arguments.output}: {grid.GetNumberOfCells()} cells; the picture has {colours} "
-          "different colours")
+    grid = read_grid(vtk, file)
+    colours = draw(vtk, grid, array, picture)
+    print(f"{picture}: {grid.GetNumberOfCells()} cells; the picture has {colours} different "
+          "colours")
     if colours <= 1:
-        print("the picture is empty or of one colour: choose another --array", file=sys.stderr)
-    return 0 if colours > 1 else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+        plain = read.Unreadable("the picture is empty or of one colour: choose another --array")
+        plain.code = 1
+        raise plain
+    return colours

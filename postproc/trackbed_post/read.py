@@ -7,15 +7,13 @@
     for window, file in read.fields("results/quickstart/wedge", "load", "ground").items():
         read.datasets(file)["VTKHDF/Points"].values
 
-As a program it lists the datasets of a file: `read.py FILE`. A file that cannot be read ends any
-script with one message and code 2.
+A file that cannot be read raises Unreadable, which ends a command with one message and code 2.
 """
 import contextlib
 import dataclasses
 import json
 import pathlib
 import re
-import sys
 import tomllib
 
 import h5py
@@ -94,14 +92,9 @@ class Results:
         return slice(rows[0], rows[-1] + 1)
 
 
-class Unreadable(SystemExit):
-    """Ends the script with code 2 and the message on stderr. Python would end with 1 after a
-    SystemExit that holds a text."""
-
-    def __init__(self, sentence):
-        super().__init__(sentence)
-        self.code = 2
-        print(sentence, file=sys.stderr)
+class Unreadable(Exception):
+    """What was given cannot be read, drawn or written; `code`: exit code of a command."""
+    code = 2
 
 
 @contextlib.contextmanager
@@ -197,9 +190,13 @@ def results(path):
         try:
             return _results(file_path, file)
         except (KeyError, ValueError, AttributeError, TypeError) as error:
-            kind = _text(file.attrs.get("kind", ""))
-            raise Unreadable(f"{file_path} is not a results.h5 of trackbed"
-                             f"{f' but a {kind}' if kind else ''} ({error.args[0]})") from None
+            raise Unreadable(f"{_foreign(file_path, file)} ({error.args[0]})") from None
+
+
+def _foreign(file_path, file):
+    kind = _text(file.attrs.get("kind", ""))
+    return (f"{file_path} is not a results.h5 of trackbed"
+            f"{f' but a {kind}' if kind else ''}")
 
 
 def _results(file_path, file):
@@ -245,7 +242,7 @@ def origin(path):
     file_path = _place(path, "results.h5")
     with _opened(file_path) as file:
         if "deck" not in file.attrs:
-            raise Unreadable(f"{file_path} is not a results.h5 of trackbed")
+            raise Unreadable(_foreign(file_path, file))
         text = _text(file.attrs["deck"])
         words = f"trackbed {_text(file.attrs['version'])}"
         if "build" in file.attrs:
@@ -307,14 +304,3 @@ def series(folder, part):
         return []
     files = json.loads(path.read_text(encoding="utf-8"))["files"]
     return [(float(file["time"]), path.parent / file["name"]) for file in files]
-
-
-def main():
-    if len(sys.argv) != 2:
-        raise Unreadable("usage: read.py FILE")
-    for name, item in datasets(sys.argv[1]).items():
-        print(f"{name:44} {str(item.values.shape):16} {item.unit:8} {item.meaning}")
-
-
-if __name__ == "__main__":
-    main()

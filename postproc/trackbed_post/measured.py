@@ -13,13 +13,13 @@ import scipy.io
 import scipy.io.wavfile
 import scipy.signal
 
-import read
-import signals
+from trackbed_post import read, signals
 
 # Factor to SI and SI unit, by the end of a column's name.
 UNITS = {"_m_s2": (1.0, "m/s2"), "_g": (9.80665, "m/s2"), "_mm_s2": (1e-3, "m/s2"),
          "_m_s": (1.0, "m/s"), "_mm_s": (1e-3, "m/s"), "_m": (1.0, "m"), "_mm": (1e-3, "m"),
-         "_um": (1e-6, "m"), "_N": (1.0, "N"), "_kN": (1e3, "N")}
+         "_um": (1e-6, "m"), "_N": (1.0, "N"), "_kN": (1e3, "N"), "_s": (1.0, "s"),
+         "_ms": (1e-3, "s"), "_Pa": (1.0, "Pa"), "_kPa": (1e3, "Pa"), "_MPa": (1e6, "Pa")}
 TIMES = {"time_s": 1.0, "time_ms": 1e-3}
 GAP = 1.5  # median steps: samples are missing
 CLIPPED = 3  # equal samples in a row at the largest or smallest value
@@ -61,7 +61,8 @@ def _time_of(names, path):
     return found[0]
 
 
-def _from_csv(path, wanted):
+def table_of(path):
+    """(names, rows) of a CSV file whose first line has the names of its columns."""
     with path.open(encoding="utf-8-sig") as file:
         names = [name.strip() for name in file.readline().split(",")]
         try:
@@ -70,6 +71,11 @@ def _from_csv(path, wanted):
             raise read.Unreadable(f"{path}: {error}") from None
     if table.shape[1] != len(names):
         raise read.Unreadable(f"{path} has {len(names)} names and {table.shape[1]} columns")
+    return names, table
+
+
+def _from_csv(path, wanted):
+    names, table = table_of(path)
     clock = _time_of(names, path)
     name = _chosen([one for one in names if one != clock], wanted, path)
     return name, table[:, names.index(clock)] * TIMES[clock], table[:, names.index(name)]

@@ -1,32 +1,21 @@
-#!/usr/bin/env python3
-"""Draws a train over a transition zone, and compares two designs of it, with and without a wedge.
+"""A train over a transition zone, and two designs of it compared, with and without a wedge.
 
-    transition.py RESULT_DIR [OTHER_DIR] -o DIR [--film]
-
-RESULT_DIR holds results.h5 of a run whose last passage has a train, in a plane model. Writes
-model.png (what is modelled, with the contact forces when the stones carry most), transition.png
-(wheel force, level of rail and sleepers, settlement) with its curves as CSV, transition.txt
-(numbers, and a verdict if the runs differ by the wedge), and with --film film.gif (the train over
-the bed). Contact forces need field files within the passage (`output.fields_interval`). Definition
-of the numbers: docs/postproc.md.
+The runs are plane models whose last passage has a train. Pictures: model (what is modelled, with
+the contact forces when the stones carry most) and transition (wheel force, level of rail and
+sleepers, settlement) with its curves as CSV; transition.txt holds numbers, and a verdict if the
+runs differ by the wedge. Contact forces need field files within the passage
+(`output.fields_interval`). Definition of the numbers: docs/postproc.md.
 """
-import argparse
 import dataclasses
 import io
 import pathlib
 import textwrap
 
-import matplotlib
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from PIL import Image  # noqa: E402
+import matplotlib.pyplot as plt
+import numpy as np
+from PIL import Image
 
-import measures  # noqa: E402
-import model_drawing  # noqa: E402
-import read  # noqa: E402
-import train_figures  # noqa: E402
-import write  # noqa: E402
+from trackbed_post import measures, model_drawing, read, train_figures, write
 
 # Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
 STYLES = ({"color": "#0b559f", "ls": "-"}, {"color": "#d95f02", "ls": "--"})
@@ -93,11 +82,11 @@ def require_whole(run, passing):
 def train_of(folder):
     run = read.results(folder)
     if run.deck.get("dimension") != "plane":
-        raise read.Unreadable(f"{run.name}: transition.py draws plane models only; use "
-                              "train_figures.py")
+        raise read.Unreadable(f"{run.name}: levels of a transition zone are drawn for plane "
+                              "models only")
     if len(run.sleepers_x) <= 2 * ENDS:
-        raise read.Unreadable(f"{run.name} has {len(run.sleepers_x)} sleepers: transition.py needs "
-                              f"more than {2 * ENDS}, since it does not judge those at the ends")
+        raise read.Unreadable(f"{run.name} has {len(run.sleepers_x)} sleepers: a transition zone "
+                              f"needs more than {2 * ENDS}, since those at the ends are not judged")
     passing = train_figures.Passing(run, read.datasets(folder))
     require_whole(run, passing)
     return Train(run, passing, run.name)
@@ -205,7 +194,7 @@ def width_of(distance, level, structure, plain):
 
 ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3),
         ("the same on plain track beyond the wedge", "plain", 1e3),
-        (f"distance over which {measures.REACHED:.0%} of this change occur, m", "width", 1),
+        (f"distance over which it changes by {measures.REACHED:.0%} of the difference, m", "width", 1),
         ("steepest change between two sleepers there, mm/m", "steepest", 1e3),
         ("the same on plain track (scatter of the bed)", "scatter", 1e3),
         ("largest wheel force in the transition, kN", "force", 1e-3),
@@ -249,27 +238,30 @@ def why_no_verdict(trains, changes):
         return "the bed has no structure, or too few sleepers on it, behind it or on plain track"
     now, other = changes
     if min(abs(1 - change.structure / change.plain) for change in changes) <= measures.CLEAR:
-        return f"structure and plain track differ by less than {measures.CLEAR:.0%}"
+        return ("the lowest levels of the rail on the structure and on plain track differ by less "
+                f"than {measures.CLEAR:.0%}")
     if abs(now.plain / other.plain - 1) > measures.CLEAR:
-        return f"the plain tracks beyond the wedge differ by more than {measures.CLEAR:.0%}"
+        return ("the lowest levels of the rail on the plain tracks of the two runs differ by more "
+                f"than {measures.CLEAR:.0%}")
     if not all(np.isfinite(change.width) for change in changes):
         return "the level of plain track is not reached behind the structure"
     return ""
 
 
 def verdict(trains, changes):
-    """A sentence on the effect of the wedge, or why there is none."""
+    """Sentences on the effect of the wedge, or why there is none."""
     if why := why_no_verdict(trains, changes):
         return f"No verdict: {why}."
     now, other = changes
-    steepest = compared(now, other, "its steepest change between two sleepers", "mm/m", 1e3,
-                        "steepest")
+    steepest = compared(now, other, "the steepest change of this level between two sleepers",
+                        "mm/m", 1e3, "steepest")
     if now.steepest <= (1 + measures.CLEAR) * now.scatter < other.steepest:
         steepest += f", no more than the scatter on plain track ({1e3 * now.scatter:.2g} mm/m)"
-    return ("With the wedge, the distance behind the structure over which the lowest level of the "
-            f"rail under the train goes through {measures.REACHED:.0%} of its change to plain "
-            f"track is {now.width:.2g} m instead of {other.width:.2g} m; {steepest}; "
-            + compared(now, other, "the largest wheel force there", "kN", 1e-3, "force") + ".")
+    return ("The lowest level of the rail under the train changes from structure to plain track. "
+            f"With the wedge, {measures.REACHED:.0%} of this change is reached {now.width:.2g} m "
+            f"behind the structure instead of {other.width:.2g} m; {steepest}; "
+            + compared(now, other, "the largest wheel force in the transition", "kN", 1e-3,
+                       "force") + ".")
 
 
 def table(trains, changes):
@@ -344,7 +336,6 @@ def compare(trains, changes, sentence):
     text = textwrap.fill(sentence, WRAP)
     figure.text(0.02, 0.02, text, fontsize=10, va="bottom")
     figure.tight_layout(rect=(0, 0.03 + 0.019 * (text.count("\n") + 1), 1, 1))
-    model_drawing.stamp(figure, trains[0].run)
     return figure
 
 
@@ -396,11 +387,10 @@ def draw_model(train, folder):
     panel.set_xlabel("")
     panel.set_title(model_drawing.heading(train.run), fontsize=11)
     panel.indicate_inset((middle - half, low, 2 * half, high - low), edgecolor="k", lw=1)
-    model_drawing.stamp(figure, train.run)
     return figure
 
 
-def film(trains, folder):
+def film(trains, folder, origin):
     """Frames of the first run, with the level of the rail of all designs below when their first
     axles are where that of the first run is; thin: the lowest level up to then."""
     first = trains[0]
@@ -422,7 +412,7 @@ def film(trains, folder):
              for train, style in zip(trains, STYLES)]
     deepest = [level.plot([], [], lw=0.8, **style)[0] for style in STYLES[:len(trains)]]
     level.legend(fontsize=8, loc="lower right")
-    model_drawing.stamp(figure, first.run)
+    figure.text(0.995, 0.003, origin, fontsize=6, ha="right", va="bottom", color="0.4")
     clock = panel.text(0.01, 0.96, "", transform=panel.transAxes, va="top", fontsize=10)
     figure.canvas.draw()
     still = figure.canvas.copy_from_bbox(figure.bbox)
@@ -451,37 +441,23 @@ def film(trains, folder):
     return file.getvalue()
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("results", type=pathlib.Path, help="folder with results.h5")
-    parser.add_argument("other", type=pathlib.Path, nargs="?", help="a second run to compare with")
-    parser.add_argument("-o", dest="folder", required=True, type=pathlib.Path)
-    parser.add_argument("--film", action="store_true", help="also write film.gif")
-    arguments = parser.parse_args()
-    trains = named([train_of(path) for path in (arguments.results, arguments.other) if path])
+def draw_into(results, folder):
+    """Pictures and tables of one run, or of two compared; `results`: their folders."""
+    trains = named([train_of(path) for path in results])
     changes = changes_of(trains)
     sentence = verdict(trains, changes)
-    text = table(trains, changes) + "\n" + textwrap.fill(sentence, WRAP) + "\n"
-    write.folder(arguments.folder)
-    written = []
-    for name, figure in (("transition.png", compare(trains, changes, sentence)),
-                         ("model.png", draw_model(trains[0], arguments.results))):
-        picture = io.BytesIO()
-        figure.savefig(picture, dpi=130)
-        plt.close(figure)
-        written.append((name, picture.getvalue()))
-    if arguments.film and instants(trains[0], arguments.results):
-        written.append(("film.gif", film(trains, arguments.results)))
-    elif arguments.film:
-        print(f"film.gif is skipped: {trains[0].run.name} has no field files within the passage; "
-              "set output.fields and output.fields_interval")
-    texts = {**curves(trains), "transition.txt": text}
-    for name, contents in (*written, *((name, one.encode()) for name, one in texts.items())):
-        write.whole(arguments.folder / name, contents)
-    for name, _ in written:
-        print(arguments.folder / name)
-    print(text, end="")
+    folder.picture("transition", compare(trains, changes, sentence))
+    folder.picture("model", draw_model(trains[0], results[0]))
+    for name, text in curves(trains).items():
+        folder.file(name, text)
+    folder.table("transition.txt",
+                 table(trains, changes) + "\n" + textwrap.fill(sentence, WRAP) + "\n")
 
 
-if __name__ == "__main__":
-    main()
+def film_of(results, origin):
+    """Bytes of a GIF file: film() of runs given by their folders."""
+    trains = named([train_of(path) for path in results])
+    if not instants(trains[0], results[0]):
+        raise read.Unreadable(f"{trains[0].run.name} has no field files within the passage; set "
+                              "output.fields and output.fields_interval")
+    return film(trains, results[0], origin)

@@ -1,0 +1,187 @@
+"""The command line: python3 -m trackbed_post COMMAND ..."""
+import argparse
+import os
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+from trackbed_post import (curves, kinds, read, report, still, sweep, transition,  # noqa: E402
+                           vibration, write)
+
+FORMATS = ("png", "pdf", "svg")
+
+
+def formats(text):
+    chosen = tuple(text.split(","))
+    if unknown := set(chosen) - set(FORMATS):
+        raise argparse.ArgumentTypeError(f"{', '.join(sorted(unknown))}: the formats are "
+                                         f"{', '.join(FORMATS)}")
+    return chosen
+
+
+def print_folders(folders):
+    for folder in folders:
+        for remark in folder.remarks:
+            print(remark)
+        for path in folder.pictures:
+            print(path)
+        for table in folder.tables:
+            print(table, end="")
+
+
+def figures(given):
+    """all figures of a run, and a table of its numbers"""
+    print_folders(kinds.draw_figures(given.results, given.output, given.kind, given.format))
+
+
+def film(given):
+    """a film (GIF) of a train over a transition zone; of two runs, the levels of both"""
+    if len(given.results) > 2:
+        raise read.Unreadable("give one or two result folders")
+    content = transition.film_of(given.results, kinds.origin_of(given.results))
+    write.folder(given.output.resolve().parent)
+    write.whole(given.output, content)
+    print(f"{given.output}: {len(content) / 1e6:.1f} MB")
+
+
+def write_report(given):
+    """one HTML file of a run, or of two side by side"""
+    report.write_report(given.results, given.output, given.over)
+    print(f"{given.output}: {given.output.stat().st_size / 1e6:.1f} MB")
+
+
+def draw_still(given):
+    """a picture of a field file; exit code 1 if it has one colour only"""
+    still.render(given.file, given.output, given.array)
+
+
+def draw_vibration(given):
+    """signal, spectrum and third octaves of a history, beside a measured signal"""
+    folder = write.Folder(given.output, kinds.origin_of([given.results]), given.format)
+    vibration.draw_into(given.results, folder, given.quantity, given.place, given.measured,
+                        given.cut_off)
+    print_folders([folder])
+
+
+def draw_curve(given):
+    """a quantity of runs over time or x, beside measured or published curves (CSV)"""
+    folder = write.Folder(given.output, kinds.origin_of(given.results), given.format)
+    curves.draw_into(given.results, folder, given.quantity, given.place, given.over, given.shift)
+    print_folders([folder])
+
+
+def run_sweep(given):
+    """runs a deck with several values of parameters; mean and band over the seeds"""
+    varied = {key: values for key, *values in given.vary}
+    if empty := [key for key, values in varied.items() if not values]:
+        raise read.Unreadable(f"--vary {empty[0]}: state one value or more after the parameter")
+    if not given.deck.is_file():
+        raise read.Unreadable(f"{given.deck} does not exist")
+    done, whole = sweep.run_all(given.deck, sweep.cases(varied, given.output),
+                                sweep.find_program(given.program), given.ranks)
+    if done:
+        folder = write.Folder(given.output, kinds.origin_of([done[0].folder]), given.format)
+        sweep.write_results(done, folder, given.quantity, given.place)
+        print_folders([folder])
+    if not whole:
+        raise read.Unreadable("not all runs have finished")
+
+
+def list_datasets(given):
+    """names, shapes, units and meanings of all datasets of an HDF5 file"""
+    for name, item in read.datasets(given.file).items():
+        print(f"{name:44} {str(item.values.shape):16} {item.unit:8} {item.meaning}")
+
+
+def parser():
+    whole = argparse.ArgumentParser(prog="trackbed_post", description=__doc__)
+    commands = whole.add_subparsers(required=True, metavar="COMMAND")
+
+    def command(name, run):
+        one = commands.add_parser(name, help=run.__doc__, description=run.__doc__)
+        one.set_defaults(run=run)
+        return one
+
+    def takes_runs(one, count="+"):
+        one.add_argument("results", type=pathlib.Path, nargs=count, metavar="RESULT_DIR",
+                         help="folder of a run, with its results.h5")
+
+    def writes(one, what):
+        one.add_argument("-o", "--output", type=pathlib.Path, required=True, metavar=what)
+
+    def draws(one):
+        writes(one, "DIR")
+        one.add_argument("--format", type=formats, default=("png",),
+                         help=f"one or more of {', '.join(FORMATS)}, with commas between them")
+
+    for name in ("figures", "compare"):
+        one = command(name, figures)
+        takes_runs(one)
+        draws(one)
+        one.add_argument("--kind", choices=kinds.KINDS, default="",
+                         help="only these; default: all that the deck of the first run suggests")
+    one = command("report", write_report)
+    takes_runs(one)
+    writes(one, "FILE.html")
+    one.add_argument("--over", nargs=2, action="append", default=[],
+                     metavar=("QUANTITY", "FILE.csv[:X:Y]"),
+                     help="draws a measured or published curve over this quantity")
+    one = command("film", film)
+    takes_runs(one)
+    writes(one, "FILE.gif")
+    one = command("still", draw_still)
+    one.add_argument("file", metavar="FILE.vtkhdf")
+    one.add_argument("-o", "--output", required=True, metavar="FILE.png")
+    one.add_argument("--array", help="default: the first one that is not constant")
+    one = command("vibration", draw_vibration)
+    one.add_argument("results", type=pathlib.Path, metavar="RESULT_DIR")
+    one.add_argument("quantity", help="a history such as sleeper/acceleration or wheel/force")
+    one.add_argument("--place", type=int, default=-1,
+                     help="number of its column, from 0; default: that of the largest root mean "
+                          "square")
+    one.add_argument("--measured", default="", metavar="FILE[:COLUMN]", help="CSV, MAT or WAV")
+    one.add_argument("--cut-off", type=float, default=100.0, metavar="HZ",
+                     help="of the low pass; default: %(default)g")
+    draws(one)
+    one = command("curve", draw_curve)
+    one.add_argument("quantity", help="a dataset such as history/rail/displacement")
+    takes_runs(one)
+    one.add_argument("--place", type=int, default=-1,
+                     help="number of its column, from 0; default: that of the largest range")
+    one.add_argument("--over", action="append", default=[], metavar="FILE.csv[:X:Y]",
+                     help="a measured or published curve; may be given several times")
+    one.add_argument("--shift", type=float, default=0.0, metavar="S",
+                     help="is added to x, m, or time, s, of the curves of --over")
+    draws(one)
+    one = command("sweep", run_sweep)
+    one.add_argument("deck", type=pathlib.Path)
+    one.add_argument("--vary", nargs="+", action="append", required=True,
+                     metavar=("PARAMETER", "VALUE"), help="may be given several times")
+    one.add_argument("--ranks", type=int, default=1)
+    one.add_argument("--program", type=pathlib.Path)
+    one.add_argument("--quantity", default="",
+                     help="draw this dataset, e.g. envelope/rail/displacement_min")
+    one.add_argument("--place", type=int, default=-1)
+    draws(one)
+    one = command("list", list_datasets)
+    one.add_argument("file", type=pathlib.Path, metavar="FILE")
+    return whole
+
+
+def main(words=None):
+    given = parser().parse_args(words)
+    try:
+        given.run(given)
+    except read.Unreadable as why:
+        print(why, file=sys.stderr)
+        return why.code
+    except BrokenPipeError:  # the reader of the output has ended, as `| head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

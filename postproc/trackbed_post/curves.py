@@ -1,0 +1,170 @@
+"""Curves of any quantity of results.h5 over its axis, of several runs, beside a measured or
+published curve.
+
+A history is a curve over time, an envelope one over x. What is computed: docs/postproc.md.
+"""
+import dataclasses
+import pathlib
+
+import h5py
+import matplotlib.pyplot as plt
+import numpy as np
+
+from trackbed_post import measured, read
+
+STYLES = ("-", "--", "-.", ":")
+# SI unit, below which largest value (for factors below 1: from which on) another unit is drawn.
+SHORT = (("m", 0.1, 1e3, "mm"), ("N", 1e3, 1e-3, "kN"), ("Pa", 1e6, 1e-6, "MPa"),
+         ("Pa", 1e3, 1e-3, "kPa"))
+
+
+@dataclasses.dataclass(frozen=True)
+class Curve:
+    """y over x, both in SI units, [point]; x never decreases."""
+    name: str
+    x: np.ndarray
+    x_unit: str
+    y: np.ndarray
+    unit: str
+
+
+def known(path):
+    """Names of the datasets that can be drawn: those of histories and envelopes."""
+    return [name for name, item in read.datasets(path).items()
+            if name.startswith(("history/", "envelope/")) and item.values.ndim in (1, 2)
+            and name not in ("history/time", "history/stage", "envelope/x")]
+
+
+def _axis(path, name):
+    """(values, unit) of the first axis of a dataset; positions on two rails are an array x beside
+    it."""
+    with h5py.File(path, "r") as file:
+        item = file[name]
+        scales = item.dims[0].values()
+        if not scales:
+            raise read.Unreadable(f"{name} of {path} has no axis: results of an older version")
+        scale = item.parent["x"] if scales[0].name.endswith("/place") and "x" in item.parent \
+            else scales[0]
+        unit = scale.attrs.get("units", "")
+        return scale[()], unit.decode() if isinstance(unit, bytes) else str(unit)
+
+
+def of_run(path, name, place=-1):
+    """The Curve of a dataset such as history/rail/displacement. `place`: number of its column;
+    -1 for the one with the largest range."""
+    path = pathlib.Path(path)
+    path = path / "results.h5" if path.is_dir() else path
+    run = path.resolve().parent.name
+    if name not in (names := known(path)):
+        raise read.Unreadable(f"{run} has no curve {name}; it has {', '.join(names)}")
+    item = read.datasets(path)[name]
+    x, unit = _axis(path, name)
+    values = np.asarray(item.values, dtype=float).reshape(len(x), -1)
+    if not -1 <= place < values.shape[1]:
+        raise read.Unreadable(f"--place {place}: {name} has the places 0 to {values.shape[1] - 1}")
+    kept = np.isfinite(values).all(axis=1)
+    if not kept.any():
+        raise read.Unreadable(f"{run}: {name} has no row with numbers")
+    x, values = x[kept], values[kept]
+    if place < 0:
+        place = int(np.argmax(np.ptp(values, axis=0)))
+    label = f"{run}, place {place}" if values.shape[1] > 1 else run
+    return Curve(label, x, unit, values[:, place], item.unit)
+
+
+def of_file(text):
+    """The Curve of FILE.csv:X:Y, two columns of a file with a line of names that end with their
+    units (x_m, time_s, down_mm); of a file with two columns, FILE.csv is enough."""
+    name, _, columns = str(text).partition(".csv")
+    path = pathlib.Path(name + ".csv")
+    if not path.is_file():
+        raise read.Unreadable(f"{path} does not exist; a curve is FILE.csv or FILE.csv:X:Y")
+    names, table = measured.table_of(path)
+    wanted = columns.removeprefix(":").split(":") if columns else names
+    if len(wanted) != 2 or set(wanted) - set(names):
+        raise read.Unreadable(f"{path} has the columns {', '.join(names)}: choose two with "
+                              f"{path}:X:Y")
+    units = [measured.unit_of(one) for one in wanted]
+    x, y = (table[:, names.index(one)] * factor for one, (factor, _) in zip(wanted, units))
+    order = np.argsort(x, kind="stable")
+    return Curve(path.stem, x[order], units[0][1], y[order], units[1][1])
+
+
+def deviation(curve, other):
+    """(root mean square, largest) difference of a curve from another one at the points of the
+    latter, and the number of these points; None if they have no common range."""
+    inside = (other.x >= curve.x[0]) & (other.x <= curve.x[-1])
+    if not inside.any():
+        return None
+    difference = np.interp(other.x[inside], curve.x, curve.y) - other.y[inside]
+    return (float(np.sqrt(np.mean(difference**2))), float(np.abs(difference).max()),
+            int(inside.sum()))
+
+
+def as_csv(curves):
+    rows = ["curve,x,y"]
+    rows += [f"{curve.name.replace(',', ';')},{x:.9g},{y:.9g}" for curve in curves
+             for x, y in zip(curve.x, curve.y)]
+    return "\n".join(rows) + "\n"
+
+
+def table_of(curves, others):
+    lines = []
+    for curve in (*curves, *others):
+        low, high = int(np.argmin(curve.y)), int(np.argmax(curve.y))
+        lines += [f"{curve.name}: smallest {curve.y[low]:.4g} {curve.unit} at {curve.x[low]:.4g} "
+                  f"{curve.x_unit}, largest {curve.y[high]:.4g} {curve.unit} at "
+                  f"{curve.x[high]:.4g} {curve.x_unit}"]
+    for other in others:
+        span = float(np.ptp(other.y))
+        for curve in curves:
+            found = deviation(curve, other)
+            if not found:
+                lines.append(f"{curve.name} and {other.name} have no common range")
+                continue
+            rms, most, points = found
+            share = f" ({100 * rms / span:.1f} % of its range)" if span else ""
+            lines.append(f"{curve.name} differs from {other.name} at {points} of {len(other.x)} "
+                         f"points by {rms:.4g} {curve.unit} (root mean square){share}, at most by "
+                         f"{most:.4g} {curve.unit}")
+    return "\n".join(lines) + "\n"
+
+
+def scale_of(curves):
+    """(factor, unit) of the axis of values: units that keep the numbers short."""
+    largest = max(np.abs(curve.y).max(initial=0) for curve in curves)
+    unit = curves[0].unit
+    for si, limit, factor, name in SHORT:
+        if unit == si and (largest < limit if factor > 1 else largest >= limit):
+            return factor, name
+    return 1.0, unit
+
+
+def draw(curves, others, quantity):
+    figure, panel = plt.subplots(figsize=(9, 5), layout="constrained")
+    factor, unit = scale_of((*curves, *others))
+    for number, curve in enumerate(curves):
+        panel.plot(curve.x, factor * curve.y, STYLES[number % len(STYLES)], lw=1, label=curve.name)
+    for number, other in enumerate(others):
+        panel.plot(other.x, factor * other.y, "osv^"[number % 4], ms=4, mfc="none", color="k",
+                   label=other.name)
+    panel.set(xlabel="time, s" if curves[0].x_unit == "s" else f"x, {curves[0].x_unit}",
+              ylabel=f"{quantity}, {unit}")
+    panel.grid(alpha=0.3)
+    panel.legend(fontsize=8)
+    return figure
+
+
+def draw_into(results, folder, quantity, place=-1, over=(), shift=0.0):
+    """Picture, table and CSV of a quantity of runs (their folders); `over`: texts for of_file();
+    `shift` is added to x of those, m or s."""
+    curves = [of_run(path, quantity, place) for path in results]
+    others = [of_file(text) for text in over]
+    others = [dataclasses.replace(other, x=other.x + shift) for other in others]
+    for one in (*curves[1:], *others):
+        if (one.x_unit, one.unit) != (curves[0].x_unit, curves[0].unit):
+            raise read.Unreadable(f"{one.name} is in {one.unit} over {one.x_unit}, "
+                                  f"{curves[0].name} in {curves[0].unit} over {curves[0].x_unit}")
+    folder.picture("curve", draw(curves, others, quantity))
+    folder.file("curve.csv", as_csv((*curves, *others)))
+    folder.table("curve.txt", table_of(curves, others))

@@ -1,0 +1,90 @@
+"""Which figures a run has: that follows from its deck."""
+import dataclasses
+import datetime
+import functools
+import pathlib
+import typing
+
+from trackbed_post import (bed_on_ground, laboratory, read, track_figures, train_figures,
+                           transition, write)
+
+TOGETHER = {"transition": transition.draw_into, "bed": bed_on_ground.draw_into,
+            "laboratory": laboratory.draw_into}                             # runs side by side
+ALONE = {"train": train_figures.draw_into, "track": track_figures.draw_into}  # one run only
+KINDS = (*TOGETHER, *ALONE)
+PAIRS = {"transition", "bed"}  # of at most two runs
+LABORATORY = {"shear", "triaxial", "lift_walls"}  # kinds of stages
+
+
+def has_no_stones(deck):
+    return deck.get("model") in ("track", "track_on_ground")
+
+
+def of_deck(deck):
+    """Kinds of figures of a run."""
+    stages = deck.get("stage", [])
+    if has_no_stones(deck):
+        return ["track"]
+    if any(stage.get("train") for stage in stages):
+        return ["transition", "train"] if deck.get("dimension") == "plane" else ["train"]
+    if LABORATORY & {stage.get("kind") for stage in stages}:
+        return ["laboratory"]
+    return ["bed"]
+
+
+def require_comparable(decks):
+    if len({has_no_stones(deck) for deck in decks}) > 1:
+        raise read.Unreadable("a track without stones and a bed of stones cannot be compared")
+
+
+def origin_of(results):
+    """Program and commit, runs, and today's date, for the lower edge of pictures."""
+    programs = dict.fromkeys(read.origin(path)[0].partition(";")[0] for path in results)
+    names = " and ".join(pathlib.Path(path).resolve().name for path in results)
+    return f"{'; '.join(programs)}: {names}, drawn on {datetime.date.today()}"
+
+
+@dataclasses.dataclass(frozen=True)
+class Part:
+    """Figures of one kind of one run or several; `draw` takes the write.Folder for them."""
+    kind: str
+    results: list
+    draw: typing.Callable
+
+
+def parts_of(results, kinds):
+    """The Parts of runs: kinds that cannot be compared once for each run."""
+    for kind in kinds:
+        groups = [[path] for path in results] if kind in ALONE else [list(results)]
+        draw = ALONE.get(kind) or TOGETHER[kind]
+        yield from (Part(kind, group, functools.partial(draw, group)) for group in groups)
+
+
+def draw_figures(results, path, kind="", formats=("png",)):
+    """Draws all figures of runs (given by their folders), or those of one kind, into a folder; the
+    write.Folder objects that were written. Figures of the second of two runs that cannot be
+    compared in one picture are in a folder of its name below the first's."""
+    decks = [read.origin(one)[1] for one in results]
+    require_comparable(decks)
+    kinds = [kind] if kind else of_deck(decks[0])
+    if len(results) > 2 and set(kinds) & PAIRS:
+        raise read.Unreadable("give one or two result folders: more are drawn of laboratory tests "
+                              "and of tracks without a bed only")
+    folders, problem = [], None
+    for part in parts_of(results, kinds):
+        below = pathlib.Path(path)
+        if len(results) > len(part.results):
+            number = results.index(part.results[0])
+            below = below / f"{number + 1}_{part.results[0].resolve().name}"
+        folder = write.Folder(below, origin_of(part.results), formats)
+        try:
+            part.draw(folder)
+        except read.Unreadable as why:
+            if why.code != read.Unreadable.code or kind:
+                raise
+            problem = why
+            folder.remarks.append(f"{part.kind}: {why}")
+        folders.append(folder)
+    if problem and not any(folder.pictures for folder in folders):
+        raise problem
+    return folders

@@ -1,0 +1,108 @@
+"""Curves of results beside those of files, and the cases of a sweep."""
+import json
+import pathlib
+
+import conftest
+import h5py
+import numpy as np
+import pytest
+from trackbed_post import curves, read, sweep
+
+X = np.array([0.0, 0.6, 1.2, 1.8])
+DOWN = np.array([-1e-3, -2e-3, -4e-3, -3e-3])
+
+
+@pytest.fixture(name="run")
+def made_run(tmp_path):
+    """An envelope over X and a history of two places over time, with axes as in a results.h5."""
+    folder = tmp_path / "run"
+    folder.mkdir()
+    with h5py.File(folder / "results.h5", "w") as file:
+        file.attrs.update({"deck": 'model = "track"\n', "version": "0.1.0", "ranks": 1})
+        for name, values, unit in (("envelope/x", X, "m"), ("envelope/rail/least", DOWN, "m"),
+                                   ("history/time", X, "s"),
+                                   ("history/rail/displacement", np.stack([DOWN, 2 * DOWN], 1),
+                                    "m")):
+            file[name] = values
+            file[name].attrs.update({"units": unit, "long_name": name})
+        for axis, name in (("envelope/x", "envelope/rail/least"),
+                           ("history/time", "history/rail/displacement")):
+            file[axis].make_scale()
+            file[name].dims[0].attach_scale(file[axis])
+    return folder
+
+
+def csv(folder, text):
+    path = folder / "published.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_history_of_the_place_with_the_largest_range(run):
+    curve = curves.of_run(run, "history/rail/displacement")
+    assert (curve.x_unit, curve.unit, curve.name) == ("s", "m", "run, place 1")
+    assert curve.y == pytest.approx(2 * DOWN)
+    assert curves.of_run(run, "history/rail/displacement", 0).y == pytest.approx(DOWN)
+    for quantity, place, words in (("history/rail/none", -1, "it has envelope/rail/least, "),
+                                   ("history/rail/displacement", 2, "places 0 to 1")):
+        with pytest.raises(read.Unreadable, match=words):
+            curves.of_run(run, quantity, place)
+
+
+def test_published_curves_are_read_in_si_and_in_order(tmp_path):
+    path = csv(tmp_path, "x_m,a_mm,b_kN\n2,1,5\n1,3,6\n")
+    curve = curves.of_file(f"{path}:x_m:a_mm")
+    assert curve.x == pytest.approx([1, 2]) and curve.y == pytest.approx([3e-3, 1e-3])
+    for text, words in ((path, "choose two"), (f"{path}:x_m:c", "choose two"),
+                        (tmp_path / "none.csv", "does not exist")):
+        with pytest.raises(read.Unreadable, match=words):
+            curves.of_file(text)
+
+
+def test_deviation_is_that_at_the_other_points():
+    line = curves.Curve("line", np.array([0.0, 10.0]), "m", np.array([0.0, 10.0]), "m")
+    other = curves.Curve("other", np.array([-1.0, 2.0, 4.0]), "m", np.array([9.0, 2.3, 3.6]), "m")
+    rms, most, points = curves.deviation(line, other)
+    assert (rms, most, points) == (pytest.approx(np.sqrt((0.09 + 0.16) / 2)), pytest.approx(0.4), 2)
+    apart = curves.Curve("apart", np.array([20.0]), "m", np.array([1.0]), "m")
+    assert curves.deviation(line, apart) is None
+
+
+def test_command_states_the_deviation(run, tmp_path):
+    path = csv(tmp_path, "x_m,down_mm\n10.6,-2\n11.2,-5\n")
+    command = ["curve", "envelope/rail/least", run, "-o", tmp_path / "out", "--over", path]
+    ran = conftest.call(*command, "--shift", "-10")
+    assert ran.returncode == 0, ran.stderr
+    assert "differs from published at 2 of 2 points by 0.0007071 m" in ran.stdout
+    assert "at most by 0.001 m" in ran.stdout
+    rows = (tmp_path / "out/curve.csv").read_text(encoding="utf-8").splitlines()
+    assert rows[0] == "curve,x,y" and len(rows) == 1 + len(X) + 2
+    assert (tmp_path / "out/curve.png").stat().st_size > 5000
+    ran = conftest.call(*command)
+    assert "have no common range" in ran.stdout
+    csv(tmp_path, "time_s,down_mm\n1,2\n")
+    ran = conftest.call(*command)
+    assert ran.returncode == 2 and "is in m over s" in ran.stderr
+
+
+def test_cases_of_a_sweep(tmp_path):
+    found = sweep.cases({"bed.seed": ["1", "2"], "pad.stiffness": ["1e8"], "x.a": ["[1, 2]"]},
+                        tmp_path)
+    assert [case.folder.name for case in found] == ["seed_1_stiffness_1e8_a_1_2",
+                                                    "seed_2_stiffness_1e8_a_1_2"]
+    assert found[0].words() == ["bed.seed=1", "pad.stiffness=1e8", "x.a=[1, 2]"]
+    assert len(sweep.grouped(found)) == 1
+    with pytest.raises(read.Unreadable, match="same folder"):
+        sweep.cases({"a.x": ["1 2", "1_2"]}, tmp_path)
+
+
+def test_folder_of_another_sweep_is_refused(tmp_path):
+    deck = pathlib.Path(tmp_path / "a.toml")
+    deck.write_text("title = 'a'\n", encoding="utf-8")
+    case = sweep.cases({"bed.seed": ["1"]}, tmp_path / "out")[0]
+    sweep.require_same_deck(deck, case)
+    (case.folder / "summary.json").write_text(json.dumps({"finished": True}), encoding="utf-8")
+    sweep.require_same_deck(deck, case)
+    deck.write_text("title = 'b'\n", encoding="utf-8")
+    with pytest.raises(read.Unreadable, match="another deck"):
+        sweep.require_same_deck(deck, case)
