@@ -167,8 +167,8 @@ def main():
             else:
                 found[name, mass] = run_on_ground(given.program, given.folder, name, mass)
             change = found[name, mass] / found[name, given.masses[0]] - 1
-            print(f"{name:24} mass {mass:3} x: largest downward displacement of the rail (in brackets: "
-                  "root mean square) " + ", ".join(
+            print(f"{name:24} mass {mass:3} x: largest downward displacement of the rail "
+                  "(in brackets: root mean square) " + ", ".join(
                 f"{1e3 * down:.4f} ({1e3 * rms:.4f}) mm at {point} m: {100 * more:+.1f} "
                 f"({100 * more_rms:+.1f}) % more than with mass {given.masses[0]} x"
                 for point, (down, rms), (more, more_rms)

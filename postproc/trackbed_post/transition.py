@@ -194,7 +194,7 @@ def width_of(distance, level, structure, plain):
 
 ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3),
         ("the same on plain track beyond the wedge", "plain", 1e3),
-        (f"distance over which it changes by {measures.REACHED:.0%} of the difference, m", "width", 1),
+        (f"distance of {measures.REACHED:.0%} of the change between both, m", "width", 1),
         ("steepest change between two sleepers there, mm/m", "steepest", 1e3),
         ("the same on plain track (scatter of the bed)", "scatter", 1e3),
         ("largest wheel force in the transition, kN", "force", 1e-3),
