@@ -11,6 +11,7 @@ import sys
 import tomllib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from part import run_checks  # noqa: E402
 from loops import Loops  # noqa: E402
 
 STAGE = '\n[[stage]]\nname = "{}"\nkind = "run"\nduration = 0.1\n'
@@ -183,12 +184,8 @@ def main():
     folder.mkdir(parents=True)
     loops = Loops(program, source, folder)
     text = (source / "inputs/track/on_bed.toml").read_text(encoding="utf-8")
-    check_refused(loops, text)
-    check_written_otherwise(loops, text)
-    check_files(loops, text)
-    check_begun(loops, text)
-    check_train(loops, text)
-    check_defaults(loops, text)
+    run_checks((check_refused, check_written_otherwise, check_files, check_begun, check_train,
+                check_defaults), loops, text)
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ import time
 import tomllib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from part import run_checks  # noqa: E402
 from loops import Loops  # noqa: E402
 
 
@@ -135,7 +136,8 @@ def check_start(loops, deck):
     link to the loop's folder, at another depth, is the same loop."""
     links = loops.folder / "links/of/folders"
     links.mkdir(parents=True)
-    earlier = loops.folder / "rounds/bed"
+    earlier = loops.folder / "earlier/bed"
+    loops.ends(0, "round 0", deck, loops.folder / "earlier", "--rounds", "1")
     for name, start in (("file", earlier / "stage_bed_in.h5"), ("folder", earlier)):
         place = loops.folder / f"start_{name}"
         loops.ends(0, "round 0", deck, place, "--rounds", "1", "--start", start)
@@ -157,11 +159,8 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     loops, deck = Loops(program, source, folder), source / "inputs/track/on_bed.toml"
-    check_failures(loops, deck)
-    check_unreliable(loops, deck)
-    check_lock(loops, deck)
-    check_rounds(loops, deck)
-    check_start(loops, deck)
+    run_checks((check_failures, check_unreliable, check_lock, check_rounds, check_start), loops,
+               deck)
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from part import run_checks  # noqa: E402
 from program import Program  # noqa: E402
 
 # A bed on which the support of each sleeper can be measured: four of four seeds; with less
@@ -160,10 +161,7 @@ def main():
     program, source, folder = sys.argv[1], *map(pathlib.Path, sys.argv[2:4])
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    check_early(program, source, folder)
-    check_shell(program, source, folder)
-    check_alone(program, source, folder)
-    check_loop(program, source, folder)
+    run_checks((check_shell, check_early, check_loop, check_alone), program, source, folder)
 
 
 if __name__ == "__main__":

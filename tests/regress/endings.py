@@ -15,6 +15,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from part import run_checks  # noqa: E402
 from program import Program, expect, summary  # noqa: E402
 
 
@@ -113,7 +114,7 @@ def check_integrators(program, deck, folder, still, moved):
     program.done(1, "resume", place)
 
 
-def check_foreign_folder(program, folder):
+def check_foreign_folder(program, _, folder):
     """Foreign files in a folder are not checkpoints; a checkpoint under another name is."""
     place = folder / "foreign"
     place.mkdir()
@@ -129,7 +130,7 @@ def check_foreign_folder(program, folder):
            "a checkpoint under another name must be found", ran)
 
 
-def check_lost_output(path, deck, folder):
+def check_lost_output(program, deck, folder):
     """Output that cannot be written is an error, except for a run, whose results are files."""
     place = folder / "unheard"
     cases = [(["schema"], 4), (["describe"], 4), (["describe", "stage"], 4), (["--help"], 4),
@@ -138,8 +139,8 @@ def check_lost_output(path, deck, folder):
              (["run", deck, "output.stop_after=100", "-o", place], 3), (["resume", place], 0)]
     for arguments, code in cases:
         with open("/dev/full", "w", encoding="utf-8") as full:
-            ran = subprocess.run([path, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE,
-                                 text=True, timeout=120, check=False)
+            ran = subprocess.run([program.path, *map(str, arguments)], stdout=full,
+                                 stderr=subprocess.PIPE, text=True, timeout=120, check=False)
         ran.stdout = ""
         expect(ran.returncode == code,
                f"{arguments} without standard output must end with {code}", ran)
@@ -154,12 +155,12 @@ def check_run_error(program, deck, folder):
     expect("checkpoint" in ran.stderr, "it must name the last good checkpoint or report none", ran)
 
 
-def check_full_disk(path, deck, folder):
+def check_full_disk(program, deck, folder):
     """A limited file size simulates a full disk: the system calls fail in the same places."""
     place = folder / "full"
 
     limit = 1_500_000  # bytes: more than a checkpoint, less than the histories of a few seconds
-    with subprocess.Popen([path, "run", deck, "stage.fill.duration=10000", "-o", place],
+    with subprocess.Popen([program.path, "run", deck, "stage.fill.duration=10000", "-o", place],
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                           preexec_fn=lambda: signal.signal(signal.SIGXFSZ, signal.SIG_IGN)) as run:
         for line in run.stdout:
@@ -177,13 +178,13 @@ def check_full_disk(path, deck, folder):
         expect(words in ran.stderr, f"a full disk must say {words}", ran)
     expect(not list(place.glob("*.part")), "nothing half written may stay on a full disk", ran)
     windows = int(good.stem.rpartition("_")[2]) + 100
-    Program(path).done(1, "resume", good, f"output.stop_after={windows}", code=3)
+    program.done(1, "resume", good, f"output.stop_after={windows}", code=3)
 
 
-def check_signals(path, deck, folder):
+def check_signals(program, deck, folder):
     for number in (signal.SIGTERM, signal.SIGUSR1):
         place = folder / f"signal_{number}"
-        with subprocess.Popen([path, "run", deck, "-o", place], stdout=subprocess.PIPE,
+        with subprocess.Popen([program.path, "run", deck, "-o", place], stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, text=True) as running:
             for line in running.stdout:
                 if re.match(r"stage \w+:", line):
@@ -299,17 +300,12 @@ def check_unused_options(program, deck, start):
 
 
 def main():
-    path, deck, folder = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3])
-    program = Program(path)
+    program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    check_other_models(program, deck, folder)
-    check_solver_options(program, deck, folder)
-    check_foreign_folder(program, folder)
-    check_lost_output(path, deck, folder)
-    check_run_error(program, deck, folder)
-    check_full_disk(path, deck, folder)
-    check_signals(path, deck, folder)
+    # The first makes the run from which the second starts.
+    run_checks((check_other_models, check_solver_options, check_foreign_folder, check_lost_output,
+                check_run_error, check_full_disk, check_signals), program, deck, folder)
 
 
 if __name__ == "__main__":

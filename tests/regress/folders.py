@@ -11,6 +11,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from part import run_checks  # noqa: E402
 from program import Program, summary  # noqa: E402
 
 MINE = ("notes.txt", "old/results.h5", "figures/table.txt", "checkpoint_of_mine.h5",
@@ -208,13 +209,9 @@ def main():
     program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    check_old_results(program, deck, folder)
-    check_start_beside(program, deck, folder)
-    check_resume_elsewhere(program, deck, folder)
-    check_damaged(program, deck, folder)
-    check_two_at_once(program, deck, folder)
-    check_histories(program, deck, folder)
-    check_parts(program, deck, folder)
+    # The first makes the results that others use.
+    run_checks((check_old_results, check_start_beside, check_resume_elsewhere, check_damaged,
+                check_two_at_once, check_histories, check_parts), program, deck, folder)
 
 
 if __name__ == "__main__":
