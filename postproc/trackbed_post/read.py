@@ -290,7 +290,7 @@ def checkpoint(path, stage=""):
 
 def fields(folder, stage, part):
     """Field files of a stage in a result folder, by the number of their window in the stage. Parts
-    are stones, contacts, ground and solids."""
+    are stones, contacts, ground, solids, surfaces and train."""
     name = re.compile(rf"{re.escape(stage)}_(\d+)_{part}\.vtkhdf")
     files = sorted((pathlib.Path(folder) / "fields").glob("*.vtkhdf"))
     numbered = {int(found[1]): file for file in files if (found := name.fullmatch(file.name))}

@@ -34,6 +34,8 @@ std::size_t nodes_per_cell(CellKind kind) {
       return 8;
     case CellKind::quadratic_tetrahedron:
       return 10;
+    case CellKind::polygon:
+      break;  // any number
   }
   return 0;
 }
@@ -58,9 +60,12 @@ void write_data(File& file, const std::string& group, const std::vector<FieldDat
 void write_cells(File& file, const Grid& grid, std::size_t cells) {
   const std::size_t nodes = nodes_per_cell(grid.kind);
   std::vector<std::int64_t> offsets(cells + 1);  // each piece has one more than cells
-  for (std::size_t cell = 0; cell <= cells; ++cell)
-    offsets[cell] = static_cast<std::int64_t>(cell * nodes);
-  const std::vector<std::uint8_t> types(cells, static_cast<std::uint8_t>(grid.kind));
+  std::vector<std::uint8_t> types(cells, static_cast<std::uint8_t>(grid.kind));
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    const bool own = !grid.kinds.empty();
+    if (own) types[cell] = static_cast<std::uint8_t>(grid.kinds[cell]);
+    offsets[cell + 1] = own ? grid.ends[cell] : static_cast<std::int64_t>((cell + 1) * nodes);
+  }
   file.write<std::int64_t>(at("Connectivity"), grid.cells, 1, {"-", "points of cells, per piece"});
   file.write<std::int64_t>(at("Offsets"), offsets, 1, {"-", "first point of each cell"});
   file.write<std::uint8_t>(at("Types"), types, 1, {"-", "VTK cell types"});
@@ -68,13 +73,25 @@ void write_cells(File& file, const Grid& grid, std::size_t cells) {
 
 }  // namespace
 
+void Grid::add(CellKind of, std::span<const std::int64_t> nodes) {
+  require(nodes_per_cell(of) == nodes.size() || of == CellKind::polygon,
+          "each cell of a grid has all its points");
+  kinds.push_back(of);
+  cells.insert(cells.end(), nodes.begin(), nodes.end());
+  ends.push_back(static_cast<std::int64_t>(cells.size()));
+}
+
+std::size_t Grid::cell_count() const {
+  return kinds.empty() ? cells.size() / nodes_per_cell(kind) : kinds.size();
+}
+
 // Collective. Points at rank borders are not merged: each piece has its own.
 void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid) {
-  const std::size_t nodes = nodes_per_cell(grid.kind);
   // The rows of a piece follow from the counts of the pieces before it: an incomplete cell would
   // shift all that follow.
-  require(nodes > 0 && grid.cells.size() % nodes == 0, "each cell of a grid has all its points");
-  const std::size_t cells = grid.cells.size() / nodes;
+  require(!grid.kinds.empty() || grid.cells.size() % nodes_per_cell(grid.kind) == 0,
+          "each cell of a grid has all its points");
+  const std::size_t cells = grid.cell_count();
   File file(comm, path, Mode::create);
   file.attribute(root, "Version", std::vector<std::int64_t>{1, 0});
   file.attribute(root, "Type", std::string("UnstructuredGrid"));

@@ -16,7 +16,7 @@ KINDS = {"stones", "contacts", "ground"}
 
 
 def colours_of(path, picture):
-    run = subprocess.run([sys.executable, RENDER, path, "-o", picture], capture_output=True,
+    run = subprocess.run([sys.executable, RENDER, "still", path, "-o", picture], capture_output=True,
                          text=True, check=False)
     found = re.search(r"(\d+) cells; the picture has (\d+) different colours", run.stdout)
     if not found or int(found[1]) == 0:

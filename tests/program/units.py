@@ -14,8 +14,8 @@ from trackbed_post import read  # noqa: E402
 PLAIN = {
     # field files
     "CellData/body", "CellData/equivalent plastic strain", "CellData/solid", "Connectivity",
-    "NumberOfCells", "NumberOfConnectivityIds", "NumberOfPoints", "Offsets", "PointData/stone",
-    "Types",
+    "NumberOfCells", "NumberOfConnectivityIds", "NumberOfPoints", "Offsets", "CellData/stone",
+    "CellData/surface", "CellData/part", "CellData/wheel", "Types",
     # results
     "/contacts", "/coordination", "/fabric", "/porosity", "/stones", "history/stage",
     # checkpoints

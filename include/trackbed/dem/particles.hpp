@@ -73,6 +73,15 @@ struct ParticleView {
   bool held;
 };
 
+// A piece in space, for pictures. Its corners lie on the rounded surface; a ball or a segment has
+// no faces, and in a plane the piece is one face.
+struct PieceOutline {
+  Vec3 centre;                          // m, of the ball around the piece
+  double radius;                        // m, of this ball
+  std::vector<Vec3> corners;            // m
+  std::vector<std::vector<int>> faces;  // loops of corners, counter-clockwise seen from outside
+};
+
 // One pair in contact, reported by the rank that counts it (each contact once over all ranks).
 struct ContactView {
   Id first, second;  // second: -1 - surface index for a surface
@@ -191,6 +200,7 @@ class Particles {
   // Balls at the corners of the pieces of own particle i, in space: a piece is the hull of its own.
   void corners(std::size_t i,
                const std::function<void(const Vec3& centre, double rounding)>& visit) const;
+  void outlines(std::size_t i, const std::function<void(const PieceOutline&)>& visit) const;
   // Points spread evenly through own particle i, in space, `points_of_particle` of them: each
   // represents the same fraction of its volume.
   void points(std::size_t i, const std::function<void(const Vec3&)>& visit) const;

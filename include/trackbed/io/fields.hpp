@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ enum class CellKind : std::uint8_t {
   vertex = 1,
   line = 3,
   triangle = 5,
+  polygon = 7,
   quad = 9,
   hexahedron = 12,
   quadratic_tetrahedron = 24
@@ -29,12 +31,18 @@ struct FieldData {
   std::vector<double> values;  // rows x columns
 };
 
-// The part of this rank: cells refer to its own points.
+// The part of this rank: cells refer to its own points. Cells are all of one kind, except where
+// `add` has given each its own.
 struct Grid {
   std::vector<Vec3> points;  // m
   CellKind kind = CellKind::vertex;
   std::vector<std::int64_t> cells;               // point numbers, cell after cell
+  std::vector<CellKind> kinds;                   // of each cell, if they differ
+  std::vector<std::int64_t> ends;                // of these cells, as numbers of entries in `cells`
   std::vector<FieldData> point_data, cell_data;  // same names on every rank
+
+  void add(CellKind of, std::span<const std::int64_t> nodes);
+  std::size_t cell_count() const;
 };
 
 // Writes `path` (by convention *.vtkhdf). Collective.

@@ -16,6 +16,7 @@
 #include "trackbed/model/pressures.hpp"
 #include "trackbed/model/solid.hpp"
 #include "trackbed/model/track_model.hpp"
+#include "trackbed/observe/field_parts.hpp"
 #include "trackbed/observe/regions.hpp"
 #include "trackbed/track/on_bed.hpp"
 #include "trackbed/track/sleepers.hpp"
@@ -88,8 +89,7 @@ struct RunOutput {
 struct Output : RunOutput {
   bool fields = false;         // write fields for ParaView at the end of each stage
   double fields_interval = 0;  // s between them within a stage; 0: only at its end
-  // Of observe/field_parts.hpp.
-  std::vector<std::string> fields_parts = {"stones", "contacts", "ground", "solids"};
+  std::vector<std::string> fields_parts{observe::field_parts.begin(), observe::field_parts.end()};
   bool ground_extremes = false;  // keep extremes of the ground's stress over each stage
   double surface_cell = 0.05;    // m, of the heights of the bed at the end of each stage
   void declare(input::Section& s);

@@ -6,7 +6,7 @@
 
 namespace trackbed::observe {
 
-inline constexpr std::array<std::string_view, 4> field_parts = {"stones", "contacts", "ground",
-                                                                "solids"};
+inline constexpr std::array<std::string_view, 6> field_parts = {"stones", "contacts", "ground",
+                                                                "solids", "surfaces", "train"};
 
 }  // namespace trackbed::observe

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "trackbed/core/surface.hpp"
 #include "trackbed/dem/particles.hpp"
 #include "trackbed/fem/bodies.hpp"
 #include "trackbed/fem/ground.hpp"
@@ -20,12 +21,20 @@
 namespace trackbed::observe {
 
 // The observed model; a null pointer is a part that does not exist (yet).
+// A surface and what it belongs to.
+struct SceneSurface {
+  enum class Part { wall, placed, sleeper, platen, tine };
+  Part part;
+  const Surface* surface;
+};
+
 struct Scene {
   const dem::Particles& particles;
   fem::Ground* ground = nullptr;  // not changed: its top() is only read
   const track::Sleepers* sleepers = nullptr;
-  const fem::Bodies* bodies = nullptr;  // solid sleepers and rails
-  bool stones = true;                   // whether the model can have stones
+  const fem::Bodies* bodies = nullptr;      // solid sleepers and rails
+  bool stones = true;                       // whether the model can have stones
+  std::vector<SceneSurface> surfaces = {};  // all that stones touch but the ground
 };
 
 // A wall or the floor: force of the stones, N, mean of the last window; displacement since built,
@@ -158,8 +167,17 @@ struct FieldFiles {
   std::span<const std::string> parts;
 };
 
+// A train over the sleepers of a scene; places in the coordinates of the bed.
+struct TrainView {
+  const track::TrainOnBed& running;
+  std::size_t rails;    // 1 or 2
+  double wheel_radius;  // m
+  double gauge;         // m, between the rails; 0: one rail
+};
+
 // Writes <name>_<part>.vtkhdf for each part that the model has, and enters the file with its time
 // into <part>.vtkhdf.series, which ParaView opens as one series. Collective.
-void write_pictures(const par::Comm& comm, const FieldFiles& files, const Scene& scene);
+void write_fields(const par::Comm& comm, const FieldFiles& files, const Scene& scene,
+                  const TrainView* train);
 
 }  // namespace trackbed::observe

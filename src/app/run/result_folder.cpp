@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "trackbed/core/error.hpp"
+#include "trackbed/observe/field_parts.hpp"
 
 namespace trackbed::app {
 
@@ -46,10 +47,10 @@ bool is_result(std::string_view name) {
 
 // Only the endings are compared: the names begin with names of stages, which the deck chooses.
 bool is_picture(std::string_view name) {
-  for (const std::string_view part :
-       {"_stones.vtkhdf", "_contacts.vtkhdf", "_ground.vtkhdf", "_solids.vtkhdf"})
-    if (name.ends_with(part) || name == fmt::format("{}.series", part.substr(1))) return true;
-  return false;
+  return std::any_of(observe::field_parts.begin(), observe::field_parts.end(), [&](auto part) {
+    return name.ends_with(fmt::format("_{}.vtkhdf", part)) ||
+           name == fmt::format("{}.vtkhdf.series", part);
+  });
 }
 
 void collect(const fs::path& folder, bool (*wanted)(std::string_view), std::vector<fs::path>& to) {

@@ -57,6 +57,53 @@ void Particles::corners(std::size_t b,
   }
 }
 
+namespace {
+
+// Unit vectors from the corners of a core into the cone of normals there: moved along it by the
+// rounding, a corner lies on the rounded surface.
+std::vector<Vec3> outwards(const geom::Convex& core, bool flat) {
+  std::vector<Vec3> found(core.vertices.size(), Vec3::Zero());
+  for (const geom::Face& face : core.faces) {
+    const std::size_t n = face.vertices.size();
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto at = [&](std::size_t i) {
+        return core.vertices[static_cast<std::size_t>(face.vertices[i % n])];
+      };
+      // The bisector of a flat piece's edges is the sum of the directions that lead to the corner.
+      found[static_cast<std::size_t>(face.vertices[k])] +=
+          flat ? Vec3((at(k) - at(k + 1)).normalized() + (at(k) - at(k + n - 1)).normalized())
+               : face.normal;
+    }
+  }
+  for (Vec3& direction : found) direction.normalize();
+  return found;
+}
+
+}  // namespace
+
+void Particles::outlines(std::size_t b,
+                         const std::function<void(const PieceOutline&)>& visit) const {
+  const State& s = impl_->state;
+  const Quat q = quat(s.q[b]);
+  const auto in_space = [&](const Vec3& point) -> Vec3 {
+    return s.x[b].vec3() + s.scale_now(b) * (q * point);
+  };
+  std::size_t k = impl_->shapes.begin(s.shape[b]);
+  for (const geom::Piece& piece : impl_->shapes[s.shape[b]].pieces) {
+    const Vec4& ball = impl_->shapes.piece(k);
+    const bool flat = impl_->shapes.core(k++).flat;
+    PieceOutline outline{in_space(ball.vec3()), s.scale_now(b) * ball.w, {}, {}};
+    const std::vector<Vec3> out = outwards(piece.core, flat);
+    for (std::size_t c = 0; c < out.size() && !piece.core.faces.empty(); ++c)
+      outline.corners.push_back(in_space(piece.core.vertices[c] + piece.radius * out[c]));
+    for (const geom::Face& face : piece.core.faces) {
+      outline.faces.push_back(face.vertices);
+      if (flat) break;  // its other face is the same polygon
+    }
+    visit(outline);
+  }
+}
+
 // Made at the first use: 12 kB for each template.
 void Particles::points(std::size_t b, const std::function<void(const Vec3&)>& visit) const {
   const State& s = impl_->state;

@@ -218,7 +218,8 @@ void Output::declare(input::Section& s) {
          {.severity = input::Severity::warning, .reads = {"fields", "fields_interval"}});
   s.texts(
       "fields_parts", fields_parts,
-      "Parts of the model whose fields are written: any of stones, contacts, ground and solids. "
+      "Parts of the model whose fields are written: any of stones, contacts, ground, solids, "
+      "surfaces (sleepers, walls, plates, boxes, platen) and train (rail and wheels over a bed). "
       "Needs fields = true.");
   const auto known = [](const std::string& part) {
     return std::find(observe::field_parts.begin(), observe::field_parts.end(), part) !=

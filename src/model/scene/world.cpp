@@ -198,11 +198,20 @@ SurfaceId World::wall(const std::string& name) const {
 }
 
 observe::Scene World::scene() {
+  using Shown = observe::SceneSurface;
+  using Part = SurfaceId::Part;
+  std::vector<Shown> shown;
+  for (const auto& [part, as] :
+       {std::pair(Part::wall, Shown::Part::wall), std::pair(Part::placed, Shown::Part::placed),
+        std::pair(Part::sleeper, Shown::Part::sleeper),
+        std::pair(Part::platen, Shown::Part::platen), std::pair(Part::tine, Shown::Part::tine)})
+    for (const Registered& each : registered(part)) shown.push_back({as, each.surface});
   return {.particles = particles,
           .ground = ground ? &*ground : nullptr,
           .sleepers = sleepers && sleepers->placed() ? &*sleepers : nullptr,
           .bodies = solids && solids->placed() ? &solids->bodies() : nullptr,
-          .stones = model.has_stones()};
+          .stones = model.has_stones(),
+          .surfaces = std::move(shown)};
 }
 
 std::vector<observe::WallState> World::wall_states() const {

@@ -35,13 +35,18 @@ void StagedScheme::record() {
 }
 
 void StagedScheme::write_fields() {
-  observe::write_pictures(
+  const observe::TrainInstant train = actions_.train().instant();
+  std::optional<observe::TrainView> view;
+  if (train.running)
+    view.emplace(*train.running, train.rails, model_.track.wheel_rail.bodies.wheel_radius,
+                 model_.sleepers.gauge);
+  observe::write_fields(
       comm_,
       {.folder = run_.folder + "/fields",
        .name = fmt::format("{}_{:06d}", present().name, run_.course.clock.window()),
        .time = run_.course.clock.time(),
        .parts = model_.output.fields_parts},
-      world_.scene());
+      world_.scene(), view ? &*view : nullptr);
 }
 
 // A fixed ground has no extremes.

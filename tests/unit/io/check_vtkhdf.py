@@ -49,4 +49,9 @@ particles = read("particles")
 expect(particles.GetNumberOfPoints(), 5 * ranks, "particles")
 expect(particles.GetNumberOfCells(), 5 * ranks, "particle cells")
 expect(particles.GetCellType(0), vtk.VTK_VERTEX, "particle cell type")
+kinds = read("kinds")
+expect([kinds.GetCellType(c) for c in range(kinds.GetNumberOfCells())],
+       [vtk.VTK_POLYGON] + [vtk.VTK_VERTEX, vtk.VTK_POLYGON] * (ranks - 1), "kinds of cells")
+expect([kinds.GetCell(c).GetNumberOfPoints() for c in range(kinds.GetNumberOfCells())],
+       [5] + [1, 4] * (ranks - 1), "points of these cells")
 expect(read("nothing").GetNumberOfPoints(), 0, "points of nothing")

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <numbers>
+
 namespace trackbed::io::fields_test {
 namespace {
 
@@ -46,6 +50,22 @@ TEST(Fields, WritesSeparateParticles) {
     grid.cells.push_back(i);
   }
   EXPECT_NO_THROW(write_fields(world(), name_of("particles"), grid));
+}
+
+// A point and a square on each rank but the first, which holds a pentagon.
+TEST(Fields, WritesCellsOfSeveralKinds) {
+  Grid grid;
+  const int corners = world().rank() == 0 ? 5 : 4;
+  std::vector<std::int64_t> rim;
+  for (int i = 0; i < corners; ++i) {
+    const double angle = 2 * std::numbers::pi * i / corners;
+    grid.points.emplace_back(std::cos(angle), world().rank(), std::sin(angle));
+    rim.push_back(i);
+  }
+  if (world().rank() > 0) grid.add(CellKind::vertex, std::array<std::int64_t, 1>{0});
+  grid.add(CellKind::polygon, rim);
+  EXPECT_EQ(grid.cell_count(), world().rank() > 0 ? 2U : 1U);
+  EXPECT_NO_THROW(write_fields(world(), name_of("kinds"), grid));
 }
 
 TEST(Fields, WritesNothingAtAll) {

@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+"""Field files show stones in their shapes: the faces of a stone enclose its volume. Balls are
+points with their radius; plates and boxes are surfaces.
+
+    stone_fields.py PROGRAM SOURCE_FOLDER FOLDER
+"""
+import pathlib
+import shutil
+import sys
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program  # noqa: E402
+from results import checkpoint  # noqa: E402
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "postproc"))
+from trackbed_post import read  # noqa: E402
+
+DENSITY = 2650  # kg/m^3, of the deck
+# Corners are on the rounded surface: with a rounding of 2 mm each face is 0.85 mm within the stone,
+# whose least side is 30 mm, hence at most three times 5.6 % of the volume are missing.
+SHORT_OF = 0.17
+
+
+def cells_of(file):
+    """(points, [nodes of each cell], kinds, other arrays) of a field file of one rank."""
+    found = {name.removeprefix("VTKHDF/"): item.values.squeeze()
+             for name, item in read.datasets(file).items()}
+    ends = found["Offsets"]
+    nodes = [found["Connectivity"][a:b] for a, b in zip(ends[:-1], ends[1:])]
+    return found["Points"], nodes, found["Types"], found
+
+
+def enclosed(points, faces):
+    """Volume within closed faces, m^3, by the divergence theorem."""
+    total = 0.0
+    for face in faces:
+        a = points[face[0]]
+        for b, c in zip(points[face[1:-1]], points[face[2:]]):
+            total += np.dot(a, np.cross(b, c)) / 6
+    return total
+
+
+def check_space(program, source, folder):
+    """Three blocks of a deck under inputs, and the box and plate below them."""
+    made = folder / "stack"
+    program.done(1, "run", source / "inputs/verify/stack.toml", "output.fields=true",
+                 "output.stop_after=3", "-o", made, code=3)
+    file, = (made / "fields").glob("*_stones.vtkhdf")
+    points, nodes, kinds, found = cells_of(file)
+    if set(kinds) != {7}:
+        raise SystemExit(f"blocks must be polygons (7), not {set(kinds)}")
+    saved = checkpoint(made)
+    for number in np.unique(found["CellData/stone"]):
+        volume = enclosed(points, [nodes[k] for k in
+                                   np.flatnonzero(found["CellData/stone"] == number)])
+        at = list(saved["particles/id"].ravel()).index(number)
+        mass = saved["particles/mass"].ravel()[at]
+        if not 1 < mass / DENSITY / volume < 1 / (1 - SHORT_OF):
+            raise SystemExit(f"stone {number}: {mass / DENSITY} m^3, {volume} within its faces")
+        print(f"stone {number:.0f}: {volume * DENSITY / mass:.3f} of its volume within its faces")
+    surfaces, = (made / "fields").glob("*_surfaces.vtkhdf")
+    _, nodes, kinds, found = cells_of(surfaces)
+    if set(kinds) != {5} or not set(found["CellData/part"]) <= {0, 1}:
+        raise SystemExit(f"surfaces: kinds {set(kinds)}, parts {set(found['CellData/part'])}")
+
+
+def check_balls(program, source, folder):
+    made = folder / "impact"
+    program.done(1, "run", source / "inputs/verify/impact.toml", "output.fields=true",
+                 "output.stop_after=3", "-o", made, code=3)
+    file, = (made / "fields").glob("*_stones.vtkhdf")
+    _, _, kinds, found = cells_of(file)
+    if set(np.atleast_1d(kinds)) != {1} or not (found["PointData/radius"] > 0).all():
+        raise SystemExit(f"a ball is a point with its radius: {found}")
+
+
+def main():
+    program, source, folder = Program(sys.argv[1]), *map(pathlib.Path, sys.argv[2:4])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    check_space(program, source, folder)
+    check_balls(program, source, folder)
+
+
+if __name__ == "__main__":
+    main()
