@@ -16,8 +16,8 @@ KINDS = {"stones", "contacts", "ground"}
 
 
 def colours_of(path, picture):
-    run = subprocess.run([sys.executable, RENDER, "still", path, "-o", picture], capture_output=True,
-                         text=True, check=False)
+    run = subprocess.run([sys.executable, RENDER, "still", path, "-o", picture],
+                         capture_output=True, text=True, check=False)
     found = re.search(r"(\d+) cells; the picture has (\d+) different colours", run.stdout)
     if not found or int(found[1]) == 0:
         raise SystemExit(f"{path} gives no picture: {run.stdout}{run.stderr}")
