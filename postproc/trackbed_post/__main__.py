@@ -55,7 +55,7 @@ def write_report(given):
 
 def draw_still(given):
     """a picture of a field file; exit code 1 if it has one colour only"""
-    still.render(given.file, given.output, given.array)
+    still.render(given.file, given.output, given.array, given.view)
 
 
 def draw_vibration(given):
@@ -136,6 +136,8 @@ def parser():
     one.add_argument("file", metavar="FILE.vtkhdf")
     one.add_argument("-o", "--output", required=True, metavar="FILE.png")
     one.add_argument("--array", help="default: the first one that is not constant")
+    one.add_argument("--view", choices=still.VIEWS, default="side",
+                     help="from where; default: %(default)s")
     one = command("vibration", draw_vibration)
     one.add_argument("results", type=pathlib.Path, metavar="RESULT_DIR")
     one.add_argument("quantity", help="a history such as sleeper/acceleration or wheel/force")

@@ -1,7 +1,7 @@
 """A picture of one field file, made with VTK without a screen.
 
-The view is along y, coloured by one array (default: the first that is not constant; a vector by its
-magnitude). ParaView opens the same file and has more options.
+Coloured by one array (default: the first that is not constant; a vector by its magnitude). Faces of
+stones and surfaces are shaded. ParaView opens the same file and has more options.
 """
 import os
 import pathlib
@@ -13,6 +13,9 @@ import tempfile
 from trackbed_post import read, write
 
 SIZE = (1200, 500)  # pixels
+# Direction from the model to the eye, and the one that points up in the picture.
+VIEWS = {"side": ((0, -1, 0), (0, 0, 1)), "end": ((-1, 0, 0), (0, 0, 1)),
+         "top": ((0, 0, 1), (0, 1, 0)), "corner": ((-1, -2, 1), (0, 0, 1))}
 
 
 def with_screen():
@@ -79,14 +82,16 @@ def coloured(vtk, grid, name):
     actor, bar = vtk.vtkActor(), vtk.vtkScalarBarActor()
     actor.SetMapper(mapper)
     actor.GetProperty().SetPointSize(4)
-    actor.GetProperty().LightingOff()
+    faces = {vtk.VTK_POLYGON, vtk.VTK_TRIANGLE}
+    if grid.IsHomogeneous() and grid.GetCellType(0) not in faces:
+        actor.GetProperty().LightingOff()
     bar.SetLookupTable(table)
     bar.SetTitle(array.GetName())
     bar.SetMaximumHeightInPixels(SIZE[1] // 2)
     return actor, bar
 
 
-def draw(vtk, grid, name, path):
+def draw(vtk, grid, name, path, view):
     """Writes the picture; returns the number of colours of the grid (without background). VTK draws
     into memory, because it reports a file that cannot be written only on the screen."""
     from vtk.util.numpy_support import vtk_to_numpy
@@ -100,11 +105,12 @@ def draw(vtk, grid, name, path):
     renderer.AddActor(actor)
     camera = renderer.GetActiveCamera()
     camera.ParallelProjectionOn()
-    camera.SetPosition(0, -1, 0)
+    eye, up = VIEWS[view]
+    camera.SetPosition(*eye)
     camera.SetFocalPoint(0, 0, 0)
-    camera.SetViewUp(0, 0, 1)
+    camera.SetViewUp(*up)
     renderer.ResetCamera()
-    camera.Zoom(1.6)
+    camera.Zoom(1.6 if view == "side" else 1.2)
     colours = count_colours(vtk, window)
     renderer.AddActor2D(bar)
     grabbed = grab(vtk, window)
@@ -132,8 +138,8 @@ def count_colours(vtk, window):
     return len(np.unique(pixels[np.any(pixels != 255, axis=1)], axis=0))
 
 
-def render(file, picture, array=None):
-    """Draws a VTKHDF file into a PNG file; number of colours in the picture."""
+def render(file, picture, array=None, view="side"):
+    """Draws a VTKHDF file into a PNG file, seen from one of VIEWS; number of colours in it."""
     if not picture.endswith(".png"):
         raise read.Unreadable(f"{picture}: the name of the picture must end in .png")
     if not os.path.isfile(file):
@@ -142,7 +148,7 @@ def render(file, picture, array=None):
     with_screen()
     import vtk
     grid = read_grid(vtk, file)
-    colours = draw(vtk, grid, array, picture)
+    colours = draw(vtk, grid, array, picture, view)
     print(f"{picture}: {grid.GetNumberOfCells()} cells; the picture has {colours} different "
           "colours")
     if colours <= 1:
