@@ -25,7 +25,8 @@ SHORT_OF = 0.17
 
 def cells_of(file):
     """(points, [nodes of each cell], kinds, other arrays) of a field file of one rank."""
-    found = {name.removeprefix("VTKHDF/"): item.values for name, item in read.datasets(file).items()}
+    found = {name.removeprefix("VTKHDF/"): item.values
+             for name, item in read.datasets(file).items()}
     ends = found["Offsets"]
     nodes = [found["Connectivity"][a:b] for a, b in zip(ends[:-1], ends[1:])]
     return found["Points"], nodes, found["Types"], found

@@ -189,7 +189,8 @@ def check_steps(bench):
     bench.refused(lone, "time.substeps: a window of 0.2087 s (10000 sub-steps",
                   'longer than stage "go" (0.01 s); give at most 479 sub-steps',
                   changes=["time.substeps=10000"])
-    bench.accepted(lone, ["time.substeps=479"], warning="misses contacts shorter than a window; give at most 3")
+    bench.accepted(lone, ["time.substeps=479"],
+                   warning="misses contacts shorter than a window; give at most 3")
     bench.accepted(lone, ["time.substeps=3"])
     bench.refused(lone, "time.window: a window of 0.02 s", changes=["time.window=0.02"])
     bench.accepted(lone, ["time.window=0.01"])
