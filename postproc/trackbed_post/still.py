@@ -13,6 +13,7 @@ import tempfile
 from trackbed_post import read, write
 
 SIZE = (1200, 500)  # pixels
+COLOURS = 256
 # Direction from the model to the eye, and the one that points up in the picture.
 VIEWS = {"side": ((0, -1, 0), (0, 0, 1)), "end": ((-1, 0, 0), (0, 0, 1)),
          "top": ((0, 0, 1), (0, 1, 0)), "corner": ((-1, -2, 1), (0, 0, 1))}
@@ -63,32 +64,87 @@ def find_array(grid, name):
     return (varying or arrays)[0]
 
 
+def colour_table(vtk, limits):
+    """From dark to light: the order of the colours survives grey print and colour blindness."""
+    import matplotlib
+    table = vtk.vtkLookupTable()
+    table.SetNumberOfTableValues(COLOURS)
+    for k in range(COLOURS):
+        table.SetTableValue(k, *matplotlib.colormaps["viridis"](k / (COLOURS - 1)))
+    table.SetVectorModeToMagnitude()
+    table.SetRange(limits)
+    return table
+
+
+def balls(vtk, grid, array, on_points):
+    """Spheres at the cells of one point that have a radius, with the values of the array; None if
+    there are none."""
+    from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+    import numpy as np
+    radius = grid.GetPointData().GetArray("radius")
+    if radius is None:
+        return None
+    alone = np.flatnonzero(vtk_to_numpy(grid.GetCellTypesArray()) == vtk.VTK_VERTEX)
+    if not len(alone):
+        return None
+    offsets = vtk_to_numpy(grid.GetCells().GetOffsetsArray())
+    nodes = vtk_to_numpy(grid.GetCells().GetConnectivityArray())[offsets[alone]]
+    values = vtk_to_numpy(array)[nodes if on_points else alone]
+    if values.ndim > 1:
+        values = np.linalg.norm(values, axis=1)
+    points = vtk.vtkPoints()
+    points.SetData(numpy_to_vtk(vtk_to_numpy(grid.GetPoints().GetData())[nodes], deep=True))
+    centres = vtk.vtkPolyData()
+    centres.SetPoints(points)
+    for name, data in (("size", vtk_to_numpy(radius).ravel()[nodes]), ("value", values)):
+        item = numpy_to_vtk(np.ascontiguousarray(data, dtype=float), deep=True)
+        item.SetName(name)
+        centres.GetPointData().AddArray(item)
+    ball = vtk.vtkSphereSource()
+    ball.SetRadius(1)
+    glyphs = vtk.vtkGlyph3DMapper()
+    glyphs.SetInputData(centres)
+    glyphs.SetSourceConnection(ball.GetOutputPort())
+    glyphs.SetScaleArray("size")
+    glyphs.SetScaleModeToScaleByMagnitude()
+    glyphs.SetScalarModeToUsePointFieldData()
+    glyphs.SelectColorArray("value")
+    return glyphs
+
+
 def coloured(vtk, grid, name):
-    """Actor of the grid and its colour bar."""
+    """Actors of the grid and their colour bar."""
     array, on_points = find_array(grid, name)
+    table = colour_table(vtk, range_of(array))
     mapper = vtk.vtkDataSetMapper()
     mapper.SetInputData(grid)
-    table = vtk.vtkLookupTable()
-    table.SetHueRange(0.667, 0)  # blue is low, red is high
-    if array.GetNumberOfComponents() > 1:
-        table.SetVectorModeToMagnitude()
-    mapper.SetLookupTable(table)
-    mapper.SetScalarRange(range_of(array))
     if on_points:
         mapper.SetScalarModeToUsePointFieldData()
     else:
         mapper.SetScalarModeToUseCellFieldData()
     mapper.SelectColorArray(array.GetName())
-    actor, bar = vtk.vtkActor(), vtk.vtkScalarBarActor()
-    actor.SetMapper(mapper)
-    actor.GetProperty().SetPointSize(4)
+    actors = []
+    for one in (mapper, balls(vtk, grid, array, on_points)):
+        if one is None:
+            continue
+        one.SetLookupTable(table)
+        one.SetScalarRange(range_of(array))
+        actors.append(vtk.vtkActor())
+        actors[-1].SetMapper(one)
+    actors[0].GetProperty().SetPointSize(4)
     faces = {vtk.VTK_POLYGON, vtk.VTK_TRIANGLE}
     if grid.IsHomogeneous() and grid.GetCellType(0) not in faces:
-        actor.GetProperty().LightingOff()
+        actors[0].GetProperty().LightingOff()
+    bar = vtk.vtkScalarBarActor()
     bar.SetLookupTable(table)
     bar.SetTitle(array.GetName())
     bar.SetMaximumHeightInPixels(SIZE[1] // 2)
-    return actor, bar
+    for text in (bar.GetTitleTextProperty(), bar.GetLabelTextProperty()):
+        text.SetColor(0, 0, 0)
+        text.ShadowOff()
+        text.ItalicOff()
+        text.BoldOff()
+    return actors, bar
 
 
 def draw(vtk, grid, name, path, view):
@@ -101,8 +157,9 @@ def draw(vtk, grid, name, path, view):
     window.SetMultiSamples(0)  # no mixed colours at edges, so that the colours can be counted
     window.AddRenderer(renderer)
     renderer.SetBackground(1, 1, 1)
-    actor, bar = coloured(vtk, grid, name)
-    renderer.AddActor(actor)
+    actors, bar = coloured(vtk, grid, name)
+    for actor in actors:
+        renderer.AddActor(actor)
     camera = renderer.GetActiveCamera()
     camera.ParallelProjectionOn()
     eye, up = VIEWS[view]
@@ -110,7 +167,7 @@ def draw(vtk, grid, name, path, view):
     camera.SetFocalPoint(0, 0, 0)
     camera.SetViewUp(*up)
     renderer.ResetCamera()
-    camera.Zoom(1.6 if view == "side" else 1.2)
+    camera.Zoom(1.6 if view == "side" else 1.0)
     colours = count_colours(vtk, window)
     renderer.AddActor2D(bar)
     grabbed = grab(vtk, window)
