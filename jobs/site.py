@@ -1,0 +1,200 @@
+#!/usr/bin/env python3
+"""Builds the web site of the documents: pages, all decks, a search, and checks every link.
+
+    site.py FOLDER
+
+Writes FOLDER/pages (what mkdocs reads) and FOLDER/site, whose index.html opens without a server,
+except for the search, which needs one (`python3 -m http.server -d FOLDER/site`). Needs mkdocs
+(Debian: mkdocs, mkdocs-material). Ends with 1 and a list if a link leads nowhere.
+"""
+import html.parser
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import urllib.parse
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+DOCS = ROOT / "docs"
+# Chapters of the navigation: title -> pages of docs/.
+CHAPTERS = {
+    "First steps": ("tutorial", "cookbook"),
+    "User guide": ("running", "track", "bed", "stones", "ground", "solid_track", "shapes",
+                   "laboratory", "postproc"),
+    "Reference": ("input", "checkpoint", "glossary", "verification", "theory"),
+    "Development": ("architecture",),
+}
+TITLES = {"input": "Parameters of decks"}
+CONFIG = {"site_name": "trackbed", "theme": {"name": "material", "font": False}, "docs_dir": "pages",
+          "site_dir": "site", "use_directory_urls": False, "plugins": ["search"],
+          "markdown_extensions": ["tables", "fenced_code", "toc"]}
+LINK = re.compile(r"\[([^\]]*)\]\(([^)\s]+)\)")
+
+
+def head_of(deck):
+    """Purpose, source, ranks and run time of the comment at the begin of a deck."""
+    found, key = {}, ""
+    for line in deck.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("#"):
+            break
+        text = line.lstrip("#").strip()
+        name, colon, rest = text.partition(":")
+        if colon and name in ("Purpose", "Source", "Ranks", "Run time"):
+            key, found[name] = name, rest.strip()
+        elif key:
+            found[key] += " " + text
+    return found
+
+
+def deck_page(deck):
+    """Path of a deck's page, relative to the pages."""
+    return pathlib.Path("decks") / deck.relative_to(ROOT / "inputs").with_suffix(".md")
+
+
+def target_of(link, page):
+    """Where a link of a document leads in the site, as seen from `page` (both relative to the
+    pages), or None: a file that is not part of the site."""
+    path, hash_, anchor = link.partition("#")
+    home = ROOT if page == pathlib.Path("index.md") else (DOCS / page).parent
+    aim = (home / path).resolve() if path else None
+    if aim is None:
+        return link
+    if aim.is_relative_to(ROOT / "inputs"):
+        where = deck_page(aim) if aim.suffix == ".toml" else pathlib.Path("decks/index.md")
+    elif aim == ROOT / "CHANGELOG.md":
+        where = pathlib.Path("changelog.md")
+    elif aim == ROOT / "README.md":
+        where = pathlib.Path("index.md")
+    elif aim == DOCS / "decisions":
+        where = pathlib.Path("decisions/index.md")
+    elif aim.is_relative_to(DOCS):
+        where = aim.relative_to(DOCS)
+    else:
+        return None
+    up = "../" * (len(page.parts) - 1)
+    return f"{up}{where.as_posix()}{hash_}{anchor}"
+
+
+def adapted(text, page):
+    """A document for the site: links to files outside of it become plain text."""
+    def replace(match):
+        words, link = match.groups()
+        if urllib.parse.urlsplit(link).scheme:
+            return match[0]
+        target = target_of(link, page)
+        return f"[{words}]({target})" if target else words
+    return LINK.sub(replace, text)
+
+
+def title_of(path):
+    """The first heading of a page."""
+    found = re.search(r"^#+ +(.*)$", path.read_text(encoding="utf-8"), re.M)
+    return found[1].strip("` ") if found else path.stem
+
+
+def write_pages(pages):
+    put = {pathlib.Path("index.md"): ROOT / "README.md",
+           pathlib.Path("changelog.md"): ROOT / "CHANGELOG.md"}
+    put |= {path.relative_to(DOCS): path for path in DOCS.rglob("*.md")}
+    for page, source in put.items():
+        (pages / page).parent.mkdir(parents=True, exist_ok=True)
+        (pages / page).write_text(adapted(source.read_text(encoding="utf-8"), page),
+                                  encoding="utf-8")
+    shutil.copytree(DOCS / "images", pages / "images")
+    shutil.copy(DOCS / "input.schema.json", pages)
+    listed = sorted(path for path in (DOCS / "decisions").glob("*.md"))
+    (pages / "decisions/index.md").write_text(
+        "# Decisions\n" + "".join(f"- [{title_of(path)}]({path.name})\n" for path in listed),
+        encoding="utf-8")
+
+
+def write_decks(pages):
+    """A page for each deck and a table of all."""
+    rows = ["# Decks\n", "| deck | purpose | ranks | run time |", "|---|---|---|---|"]
+    for deck in sorted((ROOT / "inputs").rglob("*.toml")):
+        name, head = deck.relative_to(ROOT).as_posix(), head_of(deck)
+        page = pages / deck_page(deck)
+        page.parent.mkdir(parents=True, exist_ok=True)
+        text = deck.read_text(encoding="utf-8")
+        page.write_text(f"# {name}\n\n{head.get('Purpose', '')}\n\n```toml\n{text}```\n",
+                        encoding="utf-8")
+        cells = (head.get(key, "").replace("|", "\\|") for key in ("Purpose", "Ranks", "Run time"))
+        own = deck_page(deck).relative_to("decks").as_posix()
+        rows.append(f"| [{name}]({own}) | " + " | ".join(cells) + " |")
+    (pages / "decks/index.md").write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
+def navigation(pages):
+    """Chapters of those pages that exist; every other page is reached by links."""
+    chapters = [{"trackbed": "index.md"}]
+    for chapter, names in CHAPTERS.items():
+        chapters.append({chapter: [
+            {TITLES.get(name, title_of(pages / f"{name}.md")): f"{name}.md"}
+            for name in names if (pages / f"{name}.md").is_file()]})
+    chapters[-1]["Development"] += [{"Decisions": "decisions/index.md"},
+                                    {"Changes": "changelog.md"}]
+    chapters.insert(3, {"Decks": "decks/index.md"})
+    return chapters
+
+
+class Page(html.parser.HTMLParser):
+    """Links and names of a built page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.links, self.names = [], set()
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        for name, value in attrs:
+            if name in ("href", "src") and value:
+                self.links.append(value)
+            if name == "id" or (tag == "a" and name == "name"):
+                self.names.add(value)
+
+
+def dead_links(site):
+    """(page, link) of each link to a page, picture or place that the site does not have."""
+    built = {path: Page(path.read_text(encoding="utf-8")) for path in site.rglob("*.html")}
+    for path, page in built.items():
+        if path.name in ("404.html", "search.html"):
+            continue  # their links begin at the root of a server
+        for link in page.links:
+            parts = urllib.parse.urlsplit(link)
+            if parts.scheme or parts.netloc or link in ("#", ".."):
+                continue
+            aim = (path.parent / urllib.parse.unquote(parts.path)).resolve() if parts.path else path
+            if aim.is_dir():
+                aim = aim / "index.html"
+            if not aim.is_file() or (parts.fragment and aim in built
+                                     and parts.fragment not in built[aim].names):
+                yield path.relative_to(site), link
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit("usage: site.py FOLDER")
+    folder = pathlib.Path(sys.argv[1]).resolve()
+    pages = folder / "pages"
+    shutil.rmtree(pages, ignore_errors=True)
+    write_pages(pages)
+    write_decks(pages)
+    # JSON is YAML.
+    (folder / "mkdocs.yml").write_text(json.dumps({**CONFIG, "nav": navigation(pages)}),
+                                       encoding="utf-8")
+    ran = subprocess.run(["mkdocs", "build", "-q", "--clean", "-f", folder / "mkdocs.yml"],
+                         check=False)
+    if ran.returncode:
+        sys.exit(ran.returncode)
+    dead = sorted(set(dead_links(folder / "site")))
+    for page, link in dead:
+        print(f"{page}: {link} leads nowhere", file=sys.stderr)
+    count = len(list((folder / "site").rglob("*.html")))
+    print(f"{folder / 'site/index.html'}: {count} pages, {len(dead)} dead links")
+    sys.exit(1 if dead else 0)
+
+
+if __name__ == "__main__":
+    main()
