@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Builds the web site of the documents: pages, all decks, a search, and checks every link.
+"""Builds the web site of the documents and of all decks, with a search, and checks every link.
 
     site.py FOLDER
 
-Writes FOLDER/pages (what mkdocs reads) and FOLDER/site, whose index.html opens without a server,
+Writes FOLDER/documents (what mkdocs reads) and FOLDER/site, whose index.html opens without a server,
 except for the search, which needs one (`python3 -m http.server -d FOLDER/site`). Needs mkdocs
 (Debian: mkdocs, mkdocs-material). Ends with 1 and a list if a link leads nowhere.
 """
@@ -18,7 +18,7 @@ import urllib.parse
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
-# Chapters of the navigation: title -> pages of docs/.
+# Chapters of the navigation: title -> documents of docs/.
 CHAPTERS = {
     "First steps": ("tutorial", "cookbook"),
     "User guide": ("running", "track", "bed", "stones", "ground", "solid_track", "shapes",
@@ -27,8 +27,8 @@ CHAPTERS = {
     "Development": ("architecture",),
 }
 TITLES = {"input": "Parameters of decks"}
-CONFIG = {"site_name": "trackbed", "theme": {"name": "material", "font": False}, "docs_dir": "pages",
-          "site_dir": "site", "use_directory_urls": False, "plugins": ["search"],
+CONFIG = {"site_name": "trackbed", "theme": {"name": "material", "font": False},
+          "docs_dir": "documents", "site_dir": "site", "use_directory_urls": False, "plugins": ["search"],
           "markdown_extensions": ["tables", "fenced_code", "toc"]}
 LINK = re.compile(r"\[([^\]]*)\]\(([^)\s]+)\)")
 
@@ -48,21 +48,21 @@ def head_of(deck):
     return found
 
 
-def deck_page(deck):
-    """Path of a deck's page, relative to the pages."""
+def document_of_deck(deck):
+    """Path of a deck's document within the site."""
     return pathlib.Path("decks") / deck.relative_to(ROOT / "inputs").with_suffix(".md")
 
 
-def target_of(link, page):
-    """Where a link of a document leads in the site, as seen from `page` (both relative to the
-    pages), or None: a file that is not part of the site."""
+def target_of(link, document):
+    """Where a link of a document leads in the site, as seen from `document` (both within the
+    site), or None: a file that is not part of the site."""
     path, hash_, anchor = link.partition("#")
-    home = ROOT if page == pathlib.Path("index.md") else (DOCS / page).parent
+    home = ROOT if document == pathlib.Path("index.md") else (DOCS / document).parent
     aim = (home / path).resolve() if path else None
     if aim is None:
         return link
     if aim.is_relative_to(ROOT / "inputs"):
-        where = deck_page(aim) if aim.suffix == ".toml" else pathlib.Path("decks/index.md")
+        where = document_of_deck(aim) if aim.suffix == ".toml" else pathlib.Path("decks/index.md")
     elif aim == ROOT / "CHANGELOG.md":
         where = pathlib.Path("changelog.md")
     elif aim == ROOT / "README.md":
@@ -73,74 +73,74 @@ def target_of(link, page):
         where = aim.relative_to(DOCS)
     else:
         return None
-    up = "../" * (len(page.parts) - 1)
+    up = "../" * (len(document.parts) - 1)
     return f"{up}{where.as_posix()}{hash_}{anchor}"
 
 
-def adapted(text, page):
+def adapted(text, document):
     """A document for the site: links to files outside of it become plain text."""
     def replace(match):
         words, link = match.groups()
         if urllib.parse.urlsplit(link).scheme:
             return match[0]
-        target = target_of(link, page)
+        target = target_of(link, document)
         return f"[{words}]({target})" if target else words
     return LINK.sub(replace, text)
 
 
 def title_of(path):
-    """The first heading of a page."""
+    """The first heading of a document."""
     found = re.search(r"^#+ +(.*)$", path.read_text(encoding="utf-8"), re.M)
     return found[1].strip("` ") if found else path.stem
 
 
-def write_pages(pages):
+def write_documents(documents):
     put = {pathlib.Path("index.md"): ROOT / "README.md",
            pathlib.Path("changelog.md"): ROOT / "CHANGELOG.md"}
     put |= {path.relative_to(DOCS): path for path in DOCS.rglob("*.md")}
-    for page, source in put.items():
-        (pages / page).parent.mkdir(parents=True, exist_ok=True)
-        (pages / page).write_text(adapted(source.read_text(encoding="utf-8"), page),
+    for document, source in put.items():
+        (documents / document).parent.mkdir(parents=True, exist_ok=True)
+        (documents / document).write_text(adapted(source.read_text(encoding="utf-8"), document),
                                   encoding="utf-8")
-    shutil.copytree(DOCS / "images", pages / "images")
-    shutil.copy(DOCS / "input.schema.json", pages)
+    shutil.copytree(DOCS / "images", documents / "images")
+    shutil.copy(DOCS / "input.schema.json", documents)
     listed = sorted(path for path in (DOCS / "decisions").glob("*.md"))
-    (pages / "decisions/index.md").write_text(
+    (documents / "decisions/index.md").write_text(
         "# Decisions\n" + "".join(f"- [{title_of(path)}]({path.name})\n" for path in listed),
         encoding="utf-8")
 
 
-def write_decks(pages):
-    """A page for each deck and a table of all."""
+def write_decks(documents):
+    """A document for each deck and a table of all."""
     rows = ["# Decks\n", "| deck | purpose | ranks | run time |", "|---|---|---|---|"]
     for deck in sorted((ROOT / "inputs").rglob("*.toml")):
         name, head = deck.relative_to(ROOT).as_posix(), head_of(deck)
-        page = pages / deck_page(deck)
-        page.parent.mkdir(parents=True, exist_ok=True)
+        document = documents / document_of_deck(deck)
+        document.parent.mkdir(parents=True, exist_ok=True)
         text = deck.read_text(encoding="utf-8")
-        page.write_text(f"# {name}\n\n{head.get('Purpose', '')}\n\n```toml\n{text}```\n",
+        document.write_text(f"# {name}\n\n{head.get('Purpose', '')}\n\n```toml\n{text}```\n",
                         encoding="utf-8")
         cells = (head.get(key, "").replace("|", "\\|") for key in ("Purpose", "Ranks", "Run time"))
-        own = deck_page(deck).relative_to("decks").as_posix()
+        own = document_of_deck(deck).relative_to("decks").as_posix()
         rows.append(f"| [{name}]({own}) | " + " | ".join(cells) + " |")
-    (pages / "decks/index.md").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    (documents / "decks/index.md").write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
-def navigation(pages):
-    """Chapters of those pages that exist; every other page is reached by links."""
+def navigation(documents):
+    """Chapters of those documents that exist; every other document is reached by links."""
     chapters = [{"trackbed": "index.md"}]
     for chapter, names in CHAPTERS.items():
         chapters.append({chapter: [
-            {TITLES.get(name, title_of(pages / f"{name}.md")): f"{name}.md"}
-            for name in names if (pages / f"{name}.md").is_file()]})
+            {TITLES.get(name, title_of(documents / f"{name}.md")): f"{name}.md"}
+            for name in names if (documents / f"{name}.md").is_file()]})
     chapters[-1]["Development"] += [{"Decisions": "decisions/index.md"},
                                     {"Changes": "changelog.md"}]
     chapters.insert(3, {"Decks": "decks/index.md"})
     return chapters
 
 
-class Page(html.parser.HTMLParser):
-    """Links and names of a built page."""
+class Hypertext(html.parser.HTMLParser):
+    """Links and names of a built document."""
 
     def __init__(self, text):
         super().__init__()
@@ -156,12 +156,12 @@ class Page(html.parser.HTMLParser):
 
 
 def dead_links(site):
-    """(page, link) of each link to a page, picture or place that the site does not have."""
-    built = {path: Page(path.read_text(encoding="utf-8")) for path in site.rglob("*.html")}
-    for path, page in built.items():
+    """(document, link) of each link to a document, picture or place that the site does not have."""
+    built = {path: Hypertext(path.read_text(encoding="utf-8")) for path in site.rglob("*.html")}
+    for path, document in built.items():
         if path.name in ("404.html", "search.html"):
             continue  # their links begin at the root of a server
-        for link in page.links:
+        for link in document.links:
             parts = urllib.parse.urlsplit(link)
             if parts.scheme or parts.netloc or link in ("#", ".."):
                 continue
@@ -177,22 +177,22 @@ def main():
     if len(sys.argv) != 2:
         sys.exit("usage: site.py FOLDER")
     folder = pathlib.Path(sys.argv[1]).resolve()
-    pages = folder / "pages"
-    shutil.rmtree(pages, ignore_errors=True)
-    write_pages(pages)
-    write_decks(pages)
+    documents = folder / "documents"
+    shutil.rmtree(documents, ignore_errors=True)
+    write_documents(documents)
+    write_decks(documents)
     # JSON is YAML.
-    (folder / "mkdocs.yml").write_text(json.dumps({**CONFIG, "nav": navigation(pages)}),
+    (folder / "mkdocs.yml").write_text(json.dumps({**CONFIG, "nav": navigation(documents)}),
                                        encoding="utf-8")
     ran = subprocess.run(["mkdocs", "build", "-q", "--clean", "-f", folder / "mkdocs.yml"],
                          check=False)
     if ran.returncode:
         sys.exit(ran.returncode)
     dead = sorted(set(dead_links(folder / "site")))
-    for page, link in dead:
-        print(f"{page}: {link} leads nowhere", file=sys.stderr)
+    for document, link in dead:
+        print(f"{document}: {link} leads nowhere", file=sys.stderr)
     count = len(list((folder / "site").rglob("*.html")))
-    print(f"{folder / 'site/index.html'}: {count} pages, {len(dead)} dead links")
+    print(f"{folder / 'site/index.html'}: {count} documents, {len(dead)} dead links")
     sys.exit(1 if dead else 0)
 
 

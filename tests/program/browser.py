@@ -45,7 +45,7 @@ def check_pictures(browser, least):
 
 
 def check_log(browser):
-    """The page has caused no error."""
+    """The document has caused no error."""
     if log := [one for one in browser.get_log("browser") if one["level"] == "SEVERE"]:
         raise SystemExit(f"{browser.current_url}: {log}")
 
