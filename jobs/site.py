@@ -3,9 +3,9 @@
 
     site.py FOLDER
 
-Writes FOLDER/documents (what mkdocs reads) and FOLDER/site, whose index.html opens without a server,
-except for the search, which needs one (`python3 -m http.server -d FOLDER/site`). Needs mkdocs
-(Debian: mkdocs, mkdocs-material). Ends with 1 and a list if a link leads nowhere.
+Writes FOLDER/documents (what mkdocs reads) and FOLDER/site, whose index.html opens without a
+server; only the search needs one (`python3 -m http.server -d FOLDER/site`). Needs mkdocs (Debian:
+mkdocs, mkdocs-material). Ends with 1 and a list if a link leads nowhere.
 """
 import html.parser
 import json
@@ -28,8 +28,8 @@ CHAPTERS = {
 }
 TITLES = {"input": "Parameters of decks"}
 CONFIG = {"site_name": "trackbed", "theme": {"name": "material", "font": False},
-          "docs_dir": "documents", "site_dir": "site", "use_directory_urls": False, "plugins": ["search"],
-          "markdown_extensions": ["tables", "fenced_code", "toc"]}
+          "docs_dir": "documents", "site_dir": "site", "use_directory_urls": False,
+          "plugins": ["search"], "markdown_extensions": ["tables", "fenced_code", "toc"]}
 LINK = re.compile(r"\[([^\]]*)\]\(([^)\s]+)\)")
 
 
