@@ -2,6 +2,7 @@
 import argparse
 import os
 import pathlib
+import re
 import sys
 
 import matplotlib
@@ -76,18 +77,24 @@ def draw_curve(given):
 def run_sweep(given):
     """runs a deck with several values of parameters; mean and band over the seeds"""
     varied = {key: values for key, *values in given.vary}
+    if len(varied) < len(given.vary):
+        raise read.Unreadable("--vary: state all values of a parameter after one --vary")
+    if given.ranks < 1:
+        raise read.Unreadable(f"--ranks {given.ranks}: must be at least 1")
     if empty := [key for key, values in varied.items() if not values]:
         raise read.Unreadable(f"--vary {empty[0]}: state one value or more after the parameter")
     if not given.deck.is_file():
         raise read.Unreadable(f"{given.deck} does not exist")
-    done, whole = sweep.run_all(given.deck, sweep.cases(varied, given.output),
+    done, ending = sweep.run_all(given.deck, sweep.cases(varied, given.output),
                                 sweep.find_program(given.program), given.ranks)
     if done:
         folder = write.Folder(given.output, kinds.origin_of([done[0].folder]), given.format)
         sweep.write_results(done, folder, given.quantity, given.place)
         print_folders([folder])
-    if not whole:
-        raise read.Unreadable("not all runs have finished")
+    if ending:
+        why = read.Unreadable("not all runs have finished")
+        why.code = ending
+        raise why
 
 
 def list_datasets(given):
@@ -103,6 +110,7 @@ def parser():
     def command(name, run):
         one = commands.add_parser(name, help=run.__doc__, description=run.__doc__)
         one.set_defaults(run=run)
+        one._negative_number_matcher = NEGATIVE
         return one
 
     def takes_runs(one, count="+"):
@@ -173,15 +181,24 @@ def parser():
     return whole
 
 
+# Also with an exponent, which argparse would take for an option.
+NEGATIVE = re.compile(r"^-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+
+
 def main(words=None):
     given = parser().parse_args(words)
     try:
         given.run(given)
+        sys.stdout.flush()
     except read.Unreadable as why:
         print(why, file=sys.stderr)
         return why.code
-    except BrokenPipeError:  # the reader of the output has ended, as `| head` does
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        if isinstance(error, BrokenPipeError):  # the reader has ended, as `| head` does
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 0
+        print(error, file=sys.stderr)
+        return 4 if error.errno in write.DISK else 2
     return 0
 
 

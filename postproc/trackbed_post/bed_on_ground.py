@@ -3,8 +3,6 @@
 A figure whose data are missing in a run is skipped with a remark. How each number is computed:
 docs/postproc.md.
 """
-import io
-import pathlib
 
 import matplotlib.collections
 import matplotlib.pyplot as plt

@@ -13,6 +13,7 @@ import numpy as np
 from trackbed_post import measured, read
 
 STYLES = ("-", "--", "-.", ":")
+AXES = ("history/time", "history/stage", "envelope/x", "envelope/place")
 # SI unit, below which largest value (for factors below 1: from which on) another unit is drawn.
 SHORT = (("m", 0.1, 1e3, "mm"), ("N", 1e3, 1e-3, "kN"), ("Pa", 1e6, 1e-6, "MPa"),
          ("Pa", 1e3, 1e-3, "kPa"))
@@ -26,40 +27,68 @@ class Curve:
     x_unit: str
     y: np.ndarray
     unit: str
+    place: int = 0  # number of the column
 
 
 def known(path):
     """Names of the datasets that can be drawn: those of histories and envelopes."""
     return [name for name, item in read.datasets(path).items()
             if name.startswith(("history/", "envelope/")) and item.values.ndim in (1, 2)
-            and name not in ("history/time", "history/stage", "envelope/x")]
+            and name not in AXES]
 
 
-def _axis(path, name):
-    """(values, unit) of the first axis of a dataset; positions on two rails are an array x beside
-    it."""
+def _text(value):
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+def _sides(x, values):
+    """(x, values) with a column for each rail, of rows that list left before right."""
+    if len(x) > 1 and len(x) % 2 == 0 and (x[::2] == x[1::2]).all():
+        return x[::2], values.reshape(len(x) // 2, 2)
+    return x, values.reshape(len(x), -1)
+
+
+def _columns(item, count):
+    """A label for each column of a history: its place, or its name and number."""
+    if count == 1 or item.ndim < 2 or not item.dims[1].values():
+        return [""] * count
+    scale = item.dims[1].values()[0]
+    name = scale.name.rpartition("/")[2]
+    if name == "x":
+        return [f"x = {x:g} m" for x in scale[()]]
+    if name == "place" and "x" in item.parent:
+        return [f"x = {x:g} m, {('left', 'right')[k % 2]}"
+                for k, x in enumerate(item.parent["x"][()])]
+    return [f"{name} {k}" for k in range(count)]
+
+
+def _read(path, name):
+    """(x, unit of x, values [x, column], unit, labels of the columns) of a dataset."""
     with h5py.File(path, "r") as file:
         item = file[name]
         scales = item.dims[0].values()
         if not scales:
             raise read.Unreadable(f"{name} of {path} has no axis: results of an older version")
-        scale = item.parent["x"] if scales[0].name.endswith("/place") and "x" in item.parent \
+        along = item.parent["x"] if scales[0].name.endswith("/place") and "x" in item.parent \
             else scales[0]
-        unit = scale.attrs.get("units", "")
-        return scale[()], unit.decode() if isinstance(unit, bytes) else str(unit)
+        x, values = along[()], np.asarray(item[()], dtype=float)
+        labels = _columns(item, values.size // len(x))
+        if values.ndim == 1:
+            x, values = _sides(x, values)
+            labels = ["left", "right"] if values.shape[1] == 2 else [""]
+        return (x, _text(along.attrs.get("units", "")), values.reshape(len(x), -1),
+                _text(item.attrs.get("units", "")), labels)
 
 
 def of_run(path, name, place=-1):
-    """The Curve of a dataset such as history/rail/displacement. `place`: number of its column;
-    -1 for the one with the largest range."""
+    """The Curve of a dataset such as history/rail/displacement. `place`: number of its column (of
+    an envelope on two rails 0 left, 1 right); -1 for the one with the largest range."""
     path = pathlib.Path(path)
     path = path / "results.h5" if path.is_dir() else path
     run = path.resolve().parent.name
     if name not in (names := known(path)):
         raise read.Unreadable(f"{run} has no curve {name}; it has {', '.join(names)}")
-    item = read.datasets(path)[name]
-    x, unit = _axis(path, name)
-    values = np.asarray(item.values, dtype=float).reshape(len(x), -1)
+    x, x_unit, values, unit, labels = _read(path, name)
     if not -1 <= place < values.shape[1]:
         raise read.Unreadable(f"--place {place}: {name} has the places 0 to {values.shape[1] - 1}")
     kept = np.isfinite(values).all(axis=1)
@@ -68,24 +97,36 @@ def of_run(path, name, place=-1):
     x, values = x[kept], values[kept]
     if place < 0:
         place = int(np.argmax(np.ptp(values, axis=0)))
-    label = f"{run}, place {place}" if values.shape[1] > 1 else run
-    return Curve(label, x, unit, values[:, place], item.unit)
+    label = f"{run}, {labels[place]}" if labels[place] else run
+    return Curve(label, x, x_unit, values[:, place], unit, place)
+
+
+def of_runs(paths, name, place=-1):
+    """The Curves of several runs at one place: without `place` that of the largest range in the
+    first run."""
+    first = of_run(paths[0], name, place)
+    return [first, *(of_run(path, name, first.place) for path in paths[1:])]
 
 
 def of_file(text):
     """The Curve of FILE.csv:X:Y, two columns of a file with a line of names that end with their
     units (x_m, time_s, down_mm); of a file with two columns, FILE.csv is enough."""
-    name, _, columns = str(text).partition(".csv")
-    path = pathlib.Path(name + ".csv")
+    path, wanted = pathlib.Path(text), []
+    while not path.is_file() and ":" in path.name and len(wanted) < 2:
+        place, _, column = str(path).rpartition(":")
+        path, wanted = pathlib.Path(place), [column, *wanted]
     if not path.is_file():
         raise read.Unreadable(f"{path} does not exist; a curve is FILE.csv or FILE.csv:X:Y")
     names, table = measured.table_of(path)
-    wanted = columns.removeprefix(":").split(":") if columns else names
+    wanted = wanted or names
     if len(wanted) != 2 or set(wanted) - set(names):
         raise read.Unreadable(f"{path} has the columns {', '.join(names)}: choose two with "
                               f"{path}:X:Y")
     units = [measured.unit_of(one) for one in wanted]
     x, y = (table[:, names.index(one)] * factor for one, (factor, _) in zip(wanted, units))
+    if bad := int(np.sum(~(np.isfinite(x) & np.isfinite(y)))):
+        raise read.Unreadable(f"{path}: {bad} of {len(x)} rows have no number in {wanted[0]} or "
+                              f"{wanted[1]}; remove them")
     order = np.argsort(x, kind="stable")
     return Curve(path.stem, x[order], units[0][1], y[order], units[1][1])
 
@@ -123,7 +164,7 @@ def table_of(curves, others):
                 lines.append(f"{curve.name} and {other.name} have no common range")
                 continue
             rms, most, points = found
-            share = f" ({100 * rms / span:.1f} % of its range)" if span else ""
+            share = f" ({100 * rms / span:.1f} % of the range of {other.name})" if span else ""
             lines.append(f"{curve.name} differs from {other.name} at {points} of {len(other.x)} "
                          f"points by {rms:.4g} {curve.unit} (root mean square){share}, at most by "
                          f"{most:.4g} {curve.unit}")
@@ -158,7 +199,7 @@ def draw(curves, others, quantity):
 def draw_into(results, folder, quantity, place=-1, over=(), shift=0.0):
     """Picture, table and CSV of a quantity of runs (their folders); `over`: texts for of_file();
     `shift` is added to x of those, m or s."""
-    curves = [of_run(path, quantity, place) for path in results]
+    curves = of_runs(results, quantity, place)
     others = [of_file(text) for text in over]
     others = [dataclasses.replace(other, x=other.x + shift) for other in others]
     for one in (*curves[1:], *others):

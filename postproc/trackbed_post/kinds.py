@@ -13,7 +13,7 @@ TOGETHER = {"transition": transition.draw_into, "bed": bed_on_ground.draw_into,
 ALONE = {"train": train_figures.draw_into, "track": track_figures.draw_into}  # one run only
 KINDS = (*TOGETHER, *ALONE)
 PAIRS = {"transition", "bed"}  # of at most two runs
-LABORATORY = {"shear", "triaxial", "lift_walls"}  # kinds of stages
+LABORATORY = {"shear", "triaxial", "lift_walls"}  # kinds of stages, besides several to compact
 
 
 def has_no_stones(deck):
@@ -27,7 +27,8 @@ def of_deck(deck):
         return ["track"]
     if any(stage.get("train") for stage in stages):
         return ["transition", "train"] if deck.get("dimension") == "plane" else ["train"]
-    if LABORATORY & {stage.get("kind") for stage in stages}:
+    kinds = [stage.get("kind") for stage in stages]
+    if LABORATORY & set(kinds) or kinds.count("compact") > 1:
         return ["laboratory"]
     return ["bed"]
 
@@ -50,20 +51,24 @@ class Part:
     kind: str
     results: list
     draw: typing.Callable
+    number: int = 0  # of the run, for figures of one run only
 
 
 def parts_of(results, kinds):
     """The Parts of runs: kinds that cannot be compared once for each run."""
     for kind in kinds:
-        groups = [[path] for path in results] if kind in ALONE else [list(results)]
+        groups = list(enumerate([path] for path in results)) if kind in ALONE else \
+            [(0, list(results))]
         draw = ALONE.get(kind) or TOGETHER[kind]
-        yield from (Part(kind, group, functools.partial(draw, group)) for group in groups)
+        yield from (Part(kind, group, functools.partial(draw, group), number)
+                    for number, group in groups)
 
 
 def draw_figures(results, path, kind="", formats=("png",)):
     """Draws all figures of runs (given by their folders), or those of one kind, into a folder; the
     write.Folder objects that were written. Figures of the second of two runs that cannot be
     compared in one picture are in a folder of its name below the first's."""
+    results = [read.folder_of(one) for one in results]
     decks = [read.origin(one)[1] for one in results]
     require_comparable(decks)
     kinds = [kind] if kind else of_deck(decks[0])
@@ -74,8 +79,7 @@ def draw_figures(results, path, kind="", formats=("png",)):
     for part in parts_of(results, kinds):
         below = pathlib.Path(path)
         if len(results) > len(part.results):
-            number = results.index(part.results[0])
-            below = below / f"{number + 1}_{part.results[0].resolve().name}"
+            below = below / f"{part.number + 1}_{part.results[0].resolve().name}"
         folder = write.Folder(below, origin_of(part.results), formats)
         try:
             part.draw(folder)

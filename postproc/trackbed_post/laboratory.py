@@ -4,7 +4,6 @@ A laboratory test is a run with a stage of kind `shear`, `triaxial`, `lift_walls
 kind `compact`; runs of one kind share a figure (shear, triaxial, heap, compression). Definition of
 the numbers, sources of the published values, and reasons for differences: docs/laboratory.md.
 """
-import pathlib
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -23,7 +22,7 @@ PUBLISHED_REPOSE = {"crushed stone, range [M]": (35, 45)}
 
 
 def kinds(run):
-    return [stage.get("kind") for stage in run.deck["stage"]]
+    return [stage.get("kind") for stage in run.deck.get("stage", [])]
 
 
 def area(run):

@@ -63,12 +63,16 @@ def _time_of(names, path):
 
 def table_of(path):
     """(names, rows) of a CSV file whose first line has the names of its columns."""
-    with path.open(encoding="utf-8-sig") as file:
-        names = [name.strip() for name in file.readline().split(",")]
-        try:
-            table = np.loadtxt(file, delimiter=",", ndmin=2)
-        except ValueError as error:
-            raise read.Unreadable(f"{path}: {error}") from None
+    try:
+        head, *lines = path.read_text(encoding="utf-8-sig").splitlines() or [""]
+        names = [name.strip() for name in head.split(",")]
+        if not any(line.strip() for line in lines):
+            raise ValueError("there is no row of numbers")
+        table = np.loadtxt(lines, delimiter=",", ndmin=2)
+    except (OSError, ValueError) as error:
+        raise read.Unreadable(f"{path} cannot be read: {error}; a file has a line of names and "
+                              "rows of numbers, with commas between the columns, in UTF-8") \
+            from None
     if table.shape[1] != len(names):
         raise read.Unreadable(f"{path} has {len(names)} names and {table.shape[1]} columns")
     return names, table
@@ -86,7 +90,7 @@ def _from_mat(path, wanted):
     try:
         found = {name: np.ravel(item) for name, item in scipy.io.loadmat(path).items()
                  if isinstance(item, np.ndarray) and item.dtype.kind in "fiu"}
-    except (ValueError, NotImplementedError, TypeError) as error:
+    except Exception as error:  # scipy raises what its parser meets
         raise read.Unreadable(f"{path} cannot be read ({error}); save it with -v7") from None
     clock = _time_of(list(found), path)
     name = _chosen([one for one, item in found.items()
@@ -104,7 +108,7 @@ def _from_wav(path, wanted):
                               f" for example {path}:50_m_s2") from None
     try:
         rate, samples = scipy.io.wavfile.read(path)
-    except ValueError as error:
+    except Exception as error:  # scipy raises what its parser meets
         raise read.Unreadable(f"{path} is not a WAV file ({error})") from None
     if samples.ndim > 1:
         raise read.Unreadable(f"{path} has {samples.shape[1]} channels; give a file of one")

@@ -237,11 +237,26 @@ def _results(file_path, file):
                  for name in _in_order(surfaces, deck)})
 
 
+def folder_of(path):
+    """The folder of a run, given by itself or by its results.h5."""
+    path = pathlib.Path(path)
+    return path.parent if path.name == "results.h5" and path.is_file() else path
+
+
+def summary(folder):
+    """The contents of summary.json; empty while a run goes on, or after it was killed."""
+    path = folder_of(folder) / "summary.json"
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+
+
 def origin(path):
     """(what wrote a results.h5, its deck as a dictionary, the deck's text)."""
     file_path = _place(path, "results.h5")
     with _opened(file_path) as file:
-        if "deck" not in file.attrs:
+        if "deck" not in file.attrs or "kind" in file.attrs:  # a checkpoint has a deck, too
             raise Unreadable(_foreign(file_path, file))
         text = _text(file.attrs["deck"])
         words = f"trackbed {_text(file.attrs['version'])}"

@@ -7,7 +7,6 @@ its histories hold up to now; stages, balances and cost follow when summary.json
 import base64
 import functools
 import html
-import json
 import pathlib
 import tempfile
 
@@ -26,13 +25,12 @@ pre { background: #f4f4f4; padding: 0.8em; overflow-x: auto; }
 
 
 class Run:
-    """What the report needs of one result folder."""
+    """What the report needs of one result folder, which may be given by its results.h5."""
 
     def __init__(self, folder):
-        self.folder = pathlib.Path(folder)
+        self.folder = read.folder_of(folder)
         self.origin, self.deck, self.text = read.origin(self.folder)
-        summary = self.folder / "summary.json"
-        self.summary = json.loads(summary.read_text(encoding="utf-8")) if summary.is_file() else {}
+        self.summary = read.summary(self.folder)
 
     @property
     def name(self):
@@ -83,9 +81,10 @@ def facts_of(run):
     for key, name in (("particles", "stones"), ("pieces", "pieces of stones")):
         if key in summary.get("dem", {}):
             found[name] = summary["dem"][key]
-    if "elements" in summary.get("ground", {}):
-        found |= {"elements of the ground": summary["ground"]["elements"],
-                  "unknowns of the ground": summary["ground"]["unknowns"]}
+    ground = summary.get("ground", {})
+    if ground.get("elements"):  # 0 without a ground
+        found |= {f"{key} of the ground": ground[key] for key in ("elements", "unknowns")
+                  if key in ground}
     return found
 
 
@@ -93,7 +92,7 @@ def balances_of(run):
     found = {f"coupling, relative imbalance of {name}": value
              for name, value in run.summary.get("coupling", {}).items()
              if isinstance(value, float)}
-    found |= {f"energy of the stones, {name}, J": value
+    found |= {f"energy, {name}, J": value
               for name, value in run.summary.get("energy", {}).items()
               if isinstance(value, float)}
     return found
@@ -177,6 +176,9 @@ def write_report(results, file, over=()):
         raise read.Unreadable("give one or two result folders")
     runs = [Run(folder) for folder in results]
     kinds.require_comparable([run.deck for run in runs])
+    for quantity, other in over:  # before anything is drawn
+        curves.of_file(other)
+        curves.of_run(runs[0].folder, quantity)
     write.folder(file.resolve().parent)
     with tempfile.TemporaryDirectory() as folder:
         write.whole(file, page(runs, pathlib.Path(folder), over).encode())

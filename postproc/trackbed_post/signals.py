@@ -36,13 +36,17 @@ class LowPass:
             f"unfiltered: rows uneven, fewer than {6 * self.order + 1}, or "
             f"{500 / self.cut_off:g} ms or more apart")
 
-    def __call__(self, time, values):
-        """Filters along the first axis; returns the values unchanged if it does not apply."""
+    def __call__(self, time, values, at_rest=False):
+        """Filters along the first axis; returns the values unchanged if it does not apply.
+        `at_rest`: they were zero before the first one."""
+        values = np.asarray(values)
         if not self.applies_to(time):
-            return np.asarray(values)
+            return values
+        before = int(np.ceil(10 / (self.cut_off * step_of(time)))) if at_rest else 0
         sections = scipy.signal.butter(self.order, self.cut_off, fs=1 / step_of(time), output="sos")
         # Mirrored at the ends, as the usual point reflection would turn noise there into a step.
-        return scipy.signal.sosfiltfilt(sections, values, axis=0, padtype="even")
+        whole = np.concatenate([np.zeros((before, *values.shape[1:])), values])
+        return scipy.signal.sosfiltfilt(sections, whole, axis=0, padtype="even")[before:]
 
 
 def _window(count):

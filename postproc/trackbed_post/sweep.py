@@ -17,10 +17,11 @@ import subprocess
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import curves, read, track_figures, train_figures
+from trackbed_post import curves, read, track_figures, train_figures, transition, write
+from trackbed_post.kinds import of_deck
 
 STOPPED = 3  # exit code of a run that a signal or a limit has ended early
-TIMES = ("wall_time", "_per_s", "timers.", "share.", "memory", "ranks")  # not results
+RESULTS = ("energy.", "coupling.")  # what of summary.json is one: the rest is size and cost
 
 
 @dataclasses.dataclass(frozen=True)
@@ -63,19 +64,15 @@ def find_program(given):
     """The program: as given, or built beside this package, or on the PATH."""
     built = pathlib.Path(__file__).resolve().parents[2] / "build/release/trackbed"
     found = given or (built if built.is_file() else shutil.which("trackbed"))
-    if not found or not os.access(found, os.X_OK):
+    if not found or not os.path.isfile(found) or not os.access(found, os.X_OK):
         raise read.Unreadable(f"{found or 'trackbed'} is not a program: state it with --program")
     return pathlib.Path(found).resolve()
 
 
 def state_of(case):
     """finished, stopped (it can be resumed) or new."""
-    try:
-        summary = json.loads((case.folder / "summary.json").read_text(encoding="utf-8"))
-        if summary["finished"]:
-            return "finished"
-    except (OSError, ValueError, KeyError):
-        pass  # no summary: a run that was killed, or none
+    if read.summary(case.folder).get("finished"):
+        return "finished"
     return "stopped" if (case.folder / "latest").is_file() else "new"
 
 
@@ -88,8 +85,8 @@ def require_same_deck(deck, case):
         if before != now:
             raise read.Unreadable(f"{case.folder} holds a run of another deck, or of other values: "
                                   "choose another folder (-o), or remove it")
-    case.folder.mkdir(parents=True, exist_ok=True)
-    stored.write_text(json.dumps(now), encoding="utf-8")
+    write.folder(case.folder)
+    write.whole(stored, json.dumps(now).encode())
 
 
 def run(case, deck, program, ranks):
@@ -123,20 +120,22 @@ def flat(tree, path=""):
 
 
 def numbers_of(folder):
-    """Name -> number of a run: those of its figures, and those of summary.json but times."""
+    """Name -> number of a run: those of its figures, and balances and energies of summary.json."""
     found = {}
     every, deck = read.datasets(folder), read.origin(folder)[1]
-    if "history/wheel/force" in every:
-        if deck.get("model") in ("track", "track_on_ground"):
-            rows = track_figures.numbers(every, deck["track"]["length"],
-                                         track_figures.extremes_of(folder),
-                                         track_figures.run_in_of(deck))
-        else:
-            rows = train_figures.numbers(train_figures.Passing(read.results(folder), every))
-        found = {f"{name} ({unit})": float(value) for name, (value, unit) in rows.items()}
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    return found | {name: value for name, value in flat(summary).items()
-                    if not any(word in name for word in TIMES)}
+    kinds = of_deck(deck)
+    if "track" in kinds:
+        rows = track_figures.numbers(every, deck["track"]["length"],
+                                     track_figures.extremes_of(folder),
+                                     track_figures.run_in_of(deck))
+        found |= {f"{name} ({unit})": float(value) for name, (value, unit) in rows.items()}
+    if "transition" in kinds:
+        found |= transition.numbers(folder)
+    if "train" in kinds:
+        rows = train_figures.numbers(train_figures.Passing(read.results(folder), every))
+        found |= {f"{name} ({unit})": float(value) for name, (value, unit) in rows.items()}
+    summary = flat(read.summary(folder))
+    return found | {name: value for name, value in summary.items() if name.startswith(RESULTS)}
 
 
 def grouped(done):
@@ -165,10 +164,10 @@ def table_text(done, numbers):
     """Mean and standard deviation (of a sample) over the seeds of each number that varies."""
     of = dict(zip((case.folder for case in done), numbers))
     names = [name for name in numbers[0] if all(name in one for one in numbers)
-             and np.ptp([one[name] for one in numbers]) > 0]
-    lines = []
+             and (len(done) == 1 or np.ptp([one[name] for one in numbers]) > 0)]
+    lines = ["mean +- standard deviation (of a sample) over the seeds"]
     for group, members in grouped(done).items():
-        lines.append(f"{label(group)}: {len(members)} runs")
+        lines.append(f"{label(group)}: {len(members)} run{'s' if len(members) > 1 else ''}")
         for name in names:
             values = [of[case.folder][name] for case in members]
             spread = f"{np.std(values, ddof=1):.3g}" if len(values) > 1 else "-"
@@ -179,26 +178,40 @@ def table_text(done, numbers):
 def draw(done, quantity, place):
     """Mean (line) and range (band) of a curve over the seeds, for each group."""
     figure, panel = plt.subplots(figsize=(9, 5), layout="constrained")
-    found = {case.folder: curves.of_run(case.folder, quantity, place) for case in done}
+    every = curves.of_runs([case.folder for case in done], quantity, place)
+    found = {case.folder: curve for case, curve in zip(done, every)}
+    where = every[0].name.partition(", ")[2]
     factor, unit = curves.scale_of(list(found.values()))
     for number, (group, members) in enumerate(grouped(done).items()):
-        every = [found[case.folder] for case in members]
-        x = every[0].x
-        y = factor * np.array([np.interp(x, one.x, one.y) for one in every])
+        x = found[members[0].folder].x
+        y = factor * np.array([np.interp(x, one.x, one.y)
+                               for one in (found[case.folder] for case in members)])
         style = curves.STYLES[number % len(curves.STYLES)]
-        line = panel.plot(x, y.mean(axis=0), style, label=f"{label(group)} ({len(every)} runs)")[0]
+        words = f"{label(group)} ({len(members)} runs)"
+        line = panel.plot(x, y.mean(axis=0), style, label=words)[0]
         panel.fill_between(x, y.min(axis=0), y.max(axis=0), color=line.get_color(), alpha=0.2, lw=0)
     panel.set(xlabel="time, s" if every[0].x_unit == "s" else f"x, {every[0].x_unit}",
-              ylabel=f"{quantity}, {unit}", title="line: mean, band: range over the seeds")
+              ylabel=f"{quantity}, {unit}",
+              title=f"{where}; line: mean, band: range over the seeds".removeprefix("; "))
     panel.grid(alpha=0.3)
     panel.legend(fontsize=8)
     return figure
 
 
+def require_valid(deck, case, program):
+    """`check` finds an unknown parameter in seconds."""
+    ran = subprocess.run([str(program), "check", str(deck), *case.words()], capture_output=True,
+                         text=True, check=False)
+    if ran.returncode:
+        raise read.Unreadable(f"{program} check {deck} {' '.join(case.words())}: "
+                              f"{ran.stderr.strip() or ran.stdout.strip()}")
+
+
 def run_all(deck, every, program, ranks):
-    """Runs the Cases in turn and prints how each ends; (those that are finished, whether all
-    are)."""
-    done, whole = [], True
+    """Runs the Cases in turn and prints how each ends; (those that are finished, exit code)."""
+    done, ending = [], 0
+    if any(state_of(case) == "new" for case in every):
+        require_valid(deck, every[0], program)
     for number, case in enumerate(every, 1):
         words = f"{number} of {len(every)}: {case.folder}"
         if state_of(case) == "finished":
@@ -212,13 +225,13 @@ def run_all(deck, every, program, ranks):
         if code == 0:
             done.append(case)
             continue
-        whole = False
         if code == STOPPED:
             print(f"{case.folder}: stopped; the same command goes on")
-            break
+            return done, STOPPED
+        ending = read.Unreadable.code
         print(f"{case.folder}: ended with code {code}; the reason is in "
               f"{case.folder / 'log.txt'}")
-    return done, whole
+    return done, ending
 
 
 def write_results(done, folder, quantity="", place=-1):

@@ -6,14 +6,12 @@ Pictures: track (wheel forces, rail and sleepers, seat loads, sleeper accelerati
 run has them), envelope (extremes along the track), and for a run whose only force is one impact
 receptance, also as CSV, of each point of the rail. The figures are explained in docs/track.md.
 """
-import io
 import json
-import pathlib
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import read, signals, track_measures, write
+from trackbed_post import read, signals, track_measures
 
 FILTER = signals.LowPass()
 SHOWN_AXLES = 4  # axles of the first rolling vehicle
@@ -23,6 +21,11 @@ def history(run, name):
     """[time, place]."""
     values = run[f"history/{name}"].values
     return values.reshape(len(values), -1)
+
+
+def at_rest_before(run):
+    """A run under forces on the rail begins at rest, one with wheels in static equilibrium."""
+    return "history/wheel/force" not in run
 
 
 def two_rails(run):
@@ -144,7 +147,7 @@ def numbers(run, length, extremes=None, run_in=0):
             found[f"rail at {x}, down, largest"] = (1e3 * down + 0.0, "mm")  # avoids minus zero
     if "sleepers/x" not in run:
         return found
-    acceleration = FILTER(time, history(run, "sleeper/acceleration"))
+    acceleration = FILTER(time, history(run, "sleeper/acceleration"), at_rest_before(run))
     lowest, most = of_sleepers(run, "displacement", "min"), of_sleepers(run, "seat_force", "max")
     for i, x in enumerate(places(run, "sleepers/x")):
         found[f"sleeper at {x}, down, largest"] = (-1e3 * lowest[i], "mm")
@@ -228,7 +231,8 @@ def draw_seats(run, _, panel):
 def draw_acceleration(run, _, panel):
     time = run["history/time"].values
     for place, values in zip(places(run, "sleepers/x"),
-                             FILTER(time, history(run, "sleeper/acceleration")).T):
+                             FILTER(time, history(run, "sleeper/acceleration"),
+                                    at_rest_before(run)).T):
         panel.plot(time, values, lw=0.8, label=f"sleeper at {place}")
     panel.set(ylabel=f"acceleration, m/s2\n{FILTER.name_for(time)}", xlabel="time, s")
 

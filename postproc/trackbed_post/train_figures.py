@@ -2,13 +2,11 @@
 each sleeper under each axle, settlement by the axles, and a table of them. Definition of the
 numbers: docs/track.md.
 """
-import io
-import pathlib
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measures, read, write
+from trackbed_post import measures, read
 
 SHOWN_WHEELS = 8  # the first wheels are shown
 
@@ -99,8 +97,8 @@ def numbers(passing):
         found["left minus right seat height of a sleeper, smallest"] = (1e3 * lean.min(), "mm")
     found["rail above the sleepers, down, largest"] = (-1e3 * passing.rail.min(), "mm")
     left = -1e3 * passing.left
-    found["permanent settlement after the train, mean of sleepers"] = (left.mean(), "mm")
-    found["permanent settlement after the train, largest"] = (left.max(), "mm")
+    found["residual displacement of sleepers with the ground, down, mean"] = (left.mean(), "mm")
+    found["residual displacement of sleepers with the ground, down, largest"] = (left.max(), "mm")
     return found
 
 
@@ -141,7 +139,7 @@ def draw_into(results, folder):
         raise read.Unreadable(f"{results[0]}: contains a track alone, without a bed")
     run = read.results(results[0])
     passing = Passing(run, every)
-    text = "".join(f"{name:60} {value:10.4g} {unit}\n"
+    text = "".join(f"{name:66} {value:10.4g} {unit}\n"
                    for name, (value, unit) in numbers(passing).items())
     folder.picture("train", draw(passing, measures.blocks(run)))
     folder.table("train.txt", text)

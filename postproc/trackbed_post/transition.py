@@ -8,7 +8,6 @@ runs differ by the wedge. Contact forces need field files within the passage
 """
 import dataclasses
 import io
-import pathlib
 import textwrap
 
 import matplotlib.pyplot as plt
@@ -264,6 +263,22 @@ def verdict(trains, changes):
                        "force") + ".")
 
 
+def numbers(folder):
+    """Name -> number of one run, those of its column in transition.txt."""
+    train = train_of(folder)
+    changes = changes_of([train])
+    found = {label.strip(): getattr(changes[0], field) * factor
+             for label, field, factor in (ROWS if changes else ())}
+    return found | {label: of(train) for label, of in OF_TRAINS}
+
+
+OF_TRAINS = (("mean wheel force over the bed, kN", lambda train: 1e-3 * train.mean_force()),
+             ("settlement of sleepers into the bed, mean, mm",
+              lambda train: 1e3 * train.settlement().mean()),
+             ("settlement of sleepers into the bed, largest, mm",
+              lambda train: 1e3 * train.settlement().max()))
+
+
 def table(trains, changes):
     wide = 54
     lines = [" " * wide + "".join(f"{train.name:>15}" for train in trains)]
@@ -271,11 +286,7 @@ def table(trains, changes):
         lines.append(f"{label:<{wide}}" + "".join(
             f"{value:15.4g}" if np.isfinite(value) else f"{'-':>15}"
             for value in (getattr(change, field) * factor for change in changes)))
-    for label, of in (("mean wheel force over the bed, kN", lambda t: 1e-3 * t.mean_force()),
-                      ("settlement of sleepers into the bed, mean, mm",
-                       lambda t: 1e3 * t.settlement().mean()),
-                      ("settlement of sleepers into the bed, largest, mm",
-                       lambda t: 1e3 * t.settlement().max())):
+    for label, of in OF_TRAINS:
         lines.append(f"{label:<{wide}}" + "".join(f"{of(train):15.4g}" for train in trains))
     return "\n".join(lines) + "\n"
 
@@ -412,7 +423,7 @@ def film(trains, folder, origin):
              for train, style in zip(trains, STYLES)]
     deepest = [level.plot([], [], lw=0.8, **style)[0] for style in STYLES[:len(trains)]]
     level.legend(fontsize=8, loc="lower right")
-    figure.text(0.995, 0.003, origin, fontsize=6, ha="right", va="bottom", color="0.4")
+    write.state_origin(figure, origin)
     clock = panel.text(0.01, 0.96, "", transform=panel.transAxes, va="top", fontsize=10)
     figure.canvas.draw()
     still = figure.canvas.copy_from_bbox(figure.bbox)

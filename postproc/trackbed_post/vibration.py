@@ -3,13 +3,12 @@
 Of a run in stages the last passage is used. What is computed: docs/postproc.md.
 """
 import dataclasses
-import io
 import pathlib
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measured, read, signals, write
+from trackbed_post import measured, read, signals, track_figures
 
 LEAST_ROWS = 32
 STYLES = ({"color": "tab:blue", "ls": "-"}, {"color": "tab:orange", "ls": "--"})
@@ -22,9 +21,17 @@ def rows_of_passage(every, folder):
     return read.results(folder).passage()
 
 
+def between_run_ins(x, folder):
+    """Whether each wheel is where the track has its given properties, [time, wheel]."""
+    deck = read.origin(folder)[1]
+    run_in = track_figures.run_in_of(deck)
+    return (x >= run_in) & (x <= deck["track"]["length"] - run_in)
+
+
 def computed(folder, quantity, place):
-    """The history as a Signal."""
+    """The history as a Signal; of wheels of a track alone, only between its run-ins."""
     every = read.datasets(folder)
+    quantity = quantity.removeprefix("history/")
     name = f"history/{quantity}"
     if name not in every or name == "history/time":
         known = sorted(one.removeprefix("history/") for one, item in every.items()
@@ -42,8 +49,13 @@ def computed(folder, quantity, place):
     if not -1 <= place < values.shape[1]:
         raise read.Unreadable(f"--place {place}: {quantity} has the places 0 to "
                               f"{values.shape[1] - 1}")
+    on = np.ones(values.shape, dtype=bool)
+    if quantity.startswith("wheel/") and "history/stage" not in every:
+        on = between_run_ins(every["history/wheel/x"].values.reshape(len(kept), -1)[kept], folder)
     if place < 0:
-        place = int(np.argmax(np.std(values, axis=0)))
+        place = int(np.argmax([np.std(column[there]) if there.any() else -1
+                               for column, there in zip(values.T, on.T)]))
+    time, values = time[on[:, place]], values[on[:, place]]
     if len(time) < LEAST_ROWS or signals.step_of(time) is None:
         raise read.Unreadable(f"{quantity} has {len(time)} rows, unevenly spaced or fewer than "
                               f"{LEAST_ROWS}: a spectrum needs evenly spaced ones; change "

@@ -44,6 +44,12 @@ def whole(path, content):
         raise ending from None
 
 
+def state_origin(figure, origin):
+    """A line at the lower edge; a dollar in a name is no formula."""
+    figure.text(0.995, 0.003, origin.replace("$", r"\$"), fontsize=6, ha="right", va="bottom",
+                color="0.4")
+
+
 class Folder:
     """Where a command writes, and what it wrote: `pictures` (paths of the first format), `tables`
     (texts for a reader), `remarks` (why a figure is missing). `origin`, a line at the lower edge of
@@ -66,7 +72,7 @@ class Folder:
         import matplotlib.pyplot as plt  # here: not needed by those who only read results
         if figure.get_constrained_layout():
             figure.get_layout_engine().set(rect=(0, ORIGIN, 1, 1 - ORIGIN))
-        figure.text(0.995, 0.003, self.origin, fontsize=6, ha="right", va="bottom", color="0.4")
+        state_origin(figure, self.origin)
         for form in self.formats:
             content = io.BytesIO()
             figure.savefig(content, dpi=DPI, format=form)

@@ -1,6 +1,7 @@
 """Curves of results beside those of files, and the cases of a sweep."""
 import json
 import pathlib
+import shutil
 
 import conftest
 import h5py
@@ -22,14 +23,42 @@ def made_run(tmp_path):
         for name, values, unit in (("envelope/x", X, "m"), ("envelope/rail/least", DOWN, "m"),
                                    ("history/time", X, "s"),
                                    ("history/rail/displacement", np.stack([DOWN, 2 * DOWN], 1),
-                                    "m")):
+                                    "m"), ("rail/x", np.array([30.0, 30.6]), "m"),
+                                   ("envelope/place", np.arange(4.0), "-"),
+                                   ("pairs/x", np.repeat([0.0, 0.6], 2), "m"),
+                                   ("pairs/least", DOWN, "m")):
             file[name] = values
             file[name].attrs.update({"units": unit, "long_name": name})
         for axis, name in (("envelope/x", "envelope/rail/least"),
                            ("history/time", "history/rail/displacement")):
             file[axis].make_scale()
             file[name].dims[0].attach_scale(file[axis])
+        file["history/rail/x"] = file["rail/x"]
+        file["history/rail/x"].make_scale()
+        file["history/rail/displacement"].dims[1].attach_scale(file["history/rail/x"])
+        # Two rails: positions occur twice, as an array beside the numbers of places.
+        for name in ("x", "least"):
+            file[f"envelope/two/{name}"] = file[f"pairs/{name}"]
+        file["envelope/place"].make_scale()
+        file["envelope/two/least"].dims[0].attach_scale(file["envelope/place"])
     return folder
+
+
+def test_rails_are_curves_of_their_own(run):
+    left, right = (curves.of_run(run, "envelope/two/least", place) for place in (0, 1))
+    assert (left.name, right.name) == ("run, left", "run, right")
+    assert left.x == pytest.approx([0, 0.6]) and left.y == pytest.approx(DOWN[::2])
+    assert right.y == pytest.approx(DOWN[1::2])
+
+
+def test_runs_are_compared_at_one_place(run, tmp_path):
+    other = tmp_path / "other"
+    shutil.copytree(run, other)
+    with h5py.File(other / "results.h5", "r+") as file:
+        file["history/rail/displacement"][:, 0] *= 10  # now of the larger range
+    first, second = curves.of_runs([run, other], "history/rail/displacement")
+    assert first.place == second.place == 1
+    assert curves.of_run(other, "history/rail/displacement").place == 0
 
 
 def csv(folder, text):
@@ -40,7 +69,7 @@ def csv(folder, text):
 
 def test_history_of_the_place_with_the_largest_range(run):
     curve = curves.of_run(run, "history/rail/displacement")
-    assert (curve.x_unit, curve.unit, curve.name) == ("s", "m", "run, place 1")
+    assert (curve.x_unit, curve.unit, curve.name) == ("s", "m", "run, x = 30.6 m")
     assert curve.y == pytest.approx(2 * DOWN)
     assert curves.of_run(run, "history/rail/displacement", 0).y == pytest.approx(DOWN)
     for quantity, place, words in (("history/rail/none", -1, "it has envelope/rail/least, "),
@@ -53,7 +82,15 @@ def test_published_curves_are_read_in_si_and_in_order(tmp_path):
     path = csv(tmp_path, "x_m,a_mm,b_kN\n2,1,5\n1,3,6\n")
     curve = curves.of_file(f"{path}:x_m:a_mm")
     assert curve.x == pytest.approx([1, 2]) and curve.y == pytest.approx([3e-3, 1e-3])
-    for text, words in ((path, "choose two"), (f"{path}:x_m:c", "choose two"),
+    bad = tmp_path / "bad.csv"
+    bad.write_text("x_m,a_mm\n1,nan\n2,3\n", encoding="utf-8")
+    latin = tmp_path / "latin.csv"
+    latin.write_bytes("x_m,a_\u00b5m\n1,2\n".encode("latin-1"))
+    empty = tmp_path / "empty.csv"
+    empty.write_text("x_m,a_mm\n", encoding="utf-8")
+    for text, words in ((bad, "1 of 2 rows have no number"), (latin, "in UTF-8"),
+                        (empty, "no row of numbers"), (path, "choose two"),
+                        (f"{path}:x_m:c", "choose two"),
                         (tmp_path / "none.csv", "does not exist")):
         with pytest.raises(read.Unreadable, match=words):
             curves.of_file(text)
@@ -85,6 +122,28 @@ def test_command_states_the_deviation(run, tmp_path):
     assert ran.returncode == 2 and "is in m over s" in ran.stderr
 
 
+def test_mean_and_deviation_over_the_seeds(tmp_path):
+    done = sweep.cases({"bed.seed": ["1", "2"], "speed": ["5", "6"]}, tmp_path)
+    numbers = [{"force (kN)": value, "steps": 7.0} for value in (1.0, 10.0, 3.0, 30.0)]
+    text = sweep.table_text(done, numbers)
+    assert [line.split() for line in text.splitlines() if "force" in line] == [
+        ["force", "(kN)", "2", "+-", "1.41"], ["force", "(kN)", "20", "+-", "14.1"]]
+    assert "steps" not in text  # the same in all runs
+    rows = sweep.table_csv(done, numbers).splitlines()
+    assert rows[0] == '"bed.seed","speed","force (kN)","steps"' and rows[2] == '"1","6",10,7'
+
+
+def test_band_of_a_sweep(tmp_path, monkeypatch):
+    done = sweep.cases({"bed.seed": ["1", "2"]}, tmp_path)
+    found = [curves.Curve(f"{k}, x = 3 m", X, "s", (k + 1) * DOWN, "m") for k in range(2)]
+    monkeypatch.setattr(curves, "of_runs", lambda *_: found)
+    panel = sweep.draw(done, "history/rail/displacement", -1).axes[0]
+    assert panel.lines[0].get_ydata() == pytest.approx(1.5e3 * DOWN)  # mm
+    band = panel.collections[0].get_paths()[0].vertices[:, 1]
+    assert (band.min(), band.max()) == (pytest.approx(-8), pytest.approx(-1))
+    assert panel.get_title().startswith("x = 3 m; ")
+
+
 def test_cases_of_a_sweep(tmp_path):
     found = sweep.cases({"bed.seed": ["1", "2"], "pad.stiffness": ["1e8"], "x.a": ["[1, 2]"]},
                         tmp_path)
@@ -94,6 +153,17 @@ def test_cases_of_a_sweep(tmp_path):
     assert len(sweep.grouped(found)) == 1
     with pytest.raises(read.Unreadable, match="same folder"):
         sweep.cases({"a.x": ["1 2", "1_2"]}, tmp_path)
+
+
+@pytest.mark.parametrize("words, expected", [
+    (["--vary", "a.b", "1", "--vary", "a.b", "2"], "after one --vary"),
+    (["--vary", "a.b", "-1e-3", "--ranks", "0"], "must be at least 1"),
+    (["--vary", "a.b", "-1e-3", "--program", "/tmp"], "is not a program")])
+def test_sweeps_that_cannot_run_are_refused(tmp_path, words, expected):
+    deck = tmp_path / "a.toml"
+    deck.write_text("title = 'a'\n", encoding="utf-8")
+    ran = conftest.call("sweep", deck, *words, "-o", tmp_path / "out")
+    assert ran.returncode == 2 and expected in ran.stderr, ran.stderr
 
 
 def test_folder_of_another_sweep_is_refused(tmp_path):

@@ -3,6 +3,7 @@ import html.parser
 import json
 
 import conftest
+import h5py
 import numpy as np
 import pytest
 from made import store
@@ -50,6 +51,9 @@ def made(folder, ended=True, deck='title = "5 < 6"\nmodel = "track"\n[track]\nle
                "rail/displacement_min", "rail/displacement_max", "sleeper/displacement_min",
                "sleeper/displacement_max", "sleeper/seat_force_max")}},
           deck=deck, version="0.1.0", build="commit abc", ranks=1)
+    with h5py.File(folder / "results.h5", "r+") as file:
+        file["envelope/x"].make_scale()
+        file["envelope/rail/displacement_min"].dims[0].attach_scale(file["envelope/x"])
     if ended:
         (folder / "summary.json").write_text(json.dumps(
             {"deck": "a.toml", "model": "track", "finished": True, "ranks": 1,
@@ -88,6 +92,32 @@ def test_report_with_a_published_curve(tmp_path):
     page = Page(path.read_text(encoding="utf-8"))
     assert any(text.startswith("envelope/rail/displacement_min and paper.csv") for text in
                page.text["h3"])
+
+
+def test_curves_that_cannot_be_drawn_end_the_report(tmp_path):
+    one = made(tmp_path / "one")
+    for quantity, file, words in (("envelope/rail/displacement_min", "none.csv", "does not exist"),
+                                  ("envelope/none", "paper.csv", "has no curve")):
+        (tmp_path / "paper.csv").write_text("x_m,z_mm\n4.2,-1.0\n", encoding="utf-8")
+        ran, path = write_report(tmp_path, one, "--over", quantity, tmp_path / file)
+        assert ran.returncode == 2 and words in ran.stderr and not path.exists()
+
+
+def test_a_run_without_ground_has_a_report(tmp_path):
+    one = made(tmp_path / "one")
+    path = one / "summary.json"
+    whole = json.loads(path.read_text(encoding="utf-8")) | {"ground": {"elements": 0}}
+    path.write_text(json.dumps(whole), encoding="utf-8")
+    ran, report_of = write_report(tmp_path, one / "results.h5")
+    assert ran.returncode == 0, ran.stderr
+    cells = Page(report_of.read_text(encoding="utf-8")).text["td"]
+    assert "finished" in cells and "elements of the ground" not in cells
+
+
+def test_the_same_run_twice_has_two_folders(tmp_path):
+    one = made(tmp_path / "one")
+    assert conftest.call("compare", one, one, "-o", tmp_path / "c").returncode == 0
+    assert all((tmp_path / "c" / name / "track.png").is_file() for name in ("1_one", "2_one"))
 
 
 def test_figures_that_cannot_be_drawn_are_named(tmp_path):

@@ -1,6 +1,7 @@
 """Third octaves, levels, weighting, measured files and the figure of vibrations."""
+import types
+
 import conftest
-import h5py
 import numpy as np
 import pytest
 import scipy.io
@@ -128,7 +129,30 @@ def test_figure_and_table_show_the_strongest_place_beside_a_measurement(run):
     assert ran.returncode == 2 and "is in rad" in ran.stderr
 
 
-def test_only_the_last_passage_counts(run):
-    with h5py.File(run / "results.h5", "a") as file:
-        assert "history/stage" not in file
-    assert vibration.rows_of_passage(read.datasets(run), run) == slice(None)
+def test_only_the_last_passage_counts(run, monkeypatch):
+    assert vibration.rows_of_passage(read.datasets(run), run) == slice(None)  # without stages
+    passage = types.SimpleNamespace(passage=lambda: slice(3, 9))
+    monkeypatch.setattr(read, "results", lambda _: passage)
+    assert vibration.rows_of_passage({"history/stage": None}, run) == slice(3, 9)
+
+
+def test_wheels_count_between_the_run_ins(tmp_path):
+    x = 25 * TIME
+    force = np.where((x >= 8) & (x <= 52), 60e3 + 5e3 * np.sin(2 * np.pi * 20 * TIME), 90e3)
+    store(tmp_path / "results.h5", {"history/time": (TIME, "s"),
+                                    "history/wheel/x": (x[:, None], "m"),
+                                    "history/wheel/force": (force[:, None], "N")},
+          deck="[track]\nlength = 60\nrun_in = 8\n", version="0.1.0", ranks=1)
+    signal = vibration.computed(tmp_path, "history/wheel/force", -1)
+    assert signal.values.max() == pytest.approx(65e3, rel=1e-3)
+    assert 25 * signal.time[0] == pytest.approx(8, abs=0.03)
+
+
+def test_a_blow_at_the_begin_is_not_mirrored():
+    """The record of a blow equals that of the same blow after a time at rest."""
+    low_pass = signals.LowPass()
+    blow = np.where(TIME < 5e-3, np.cos(np.pi * TIME / 1e-2), 0.0)
+    later = np.concatenate([np.zeros(500), blow])
+    wanted = low_pass(np.arange(len(later)) * STEP, later)[500:]
+    assert low_pass(TIME, blow, at_rest=True) == pytest.approx(wanted, abs=1e-9)
+    assert np.abs(low_pass(TIME, blow) - wanted).max() > 0.2

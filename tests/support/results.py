@@ -1,4 +1,4 @@
-"""Results of runs as arrays, for tests, by the names of datasets (postproc/read.py)."""
+"""Results of runs as arrays, for tests, by the names of datasets (trackbed_post)."""
 import hashlib
 import pathlib
 import sys
