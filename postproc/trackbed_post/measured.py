@@ -90,7 +90,7 @@ def _from_mat(path, wanted):
     try:
         found = {name: np.ravel(item) for name, item in scipy.io.loadmat(path).items()
                  if isinstance(item, np.ndarray) and item.dtype.kind in "fiu"}
-    except Exception as error:  # scipy raises what its parser meets
+    except Exception as error:  # of any kind, as its parser raises them
         raise read.Unreadable(f"{path} cannot be read ({error}); save it with -v7") from None
     clock = _time_of(list(found), path)
     name = _chosen([one for one, item in found.items()
@@ -108,7 +108,7 @@ def _from_wav(path, wanted):
                               f" for example {path}:50_m_s2") from None
     try:
         rate, samples = scipy.io.wavfile.read(path)
-    except Exception as error:  # scipy raises what its parser meets
+    except Exception as error:  # of any kind, as its parser raises them
         raise read.Unreadable(f"{path} is not a WAV file ({error})") from None
     if samples.ndim > 1:
         raise read.Unreadable(f"{path} has {samples.shape[1]} channels; give a file of one")

@@ -256,7 +256,8 @@ def origin(path):
     """(what wrote a results.h5, its deck as a dictionary, the deck's text)."""
     file_path = _place(path, "results.h5")
     with _opened(file_path) as file:
-        if "deck" not in file.attrs or "kind" in file.attrs:  # a checkpoint has a deck, too
+        kind = _text(file.attrs.get("kind", "trackbed results"))
+        if "deck" not in file.attrs or kind != "trackbed results":  # a checkpoint has a deck, too
             raise Unreadable(_foreign(file_path, file))
         text = _text(file.attrs["deck"])
         words = f"trackbed {_text(file.attrs['version'])}"
