@@ -3,6 +3,7 @@
 Coloured by one array (default: the first that is not constant; a vector by its magnitude). Faces of
 stones and surfaces are shaded. ParaView opens the same file and has more options.
 """
+import functools
 import os
 import pathlib
 import shutil
@@ -13,6 +14,7 @@ import tempfile
 from trackbed_post import read, write
 
 SIZE = (1200, 500)  # pixels
+BAR = 180           # pixels at the right edge, for the colour bar
 COLOURS = 256
 # Direction from the model to the eye, and the one that points up in the picture.
 VIEWS = {"side": ((0, -1, 0), (0, 0, 1)), "end": ((-1, 0, 0), (0, 0, 1)),
@@ -24,7 +26,8 @@ def with_screen():
     if os.environ.get("DISPLAY"):
         return
     if not shutil.which("xvfb-run"):
-        raise SystemExit("there is no X display: install xvfb-run (Debian packages xvfb, xauth)")
+        raise read.Unreadable("there is no X display: install xvfb-run (Debian packages xvfb, "
+                              "xauth)")
     # Without a file of ours xvfb-run ends with 5 now and then: it removes its folder while xauth
     # still writes there.
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
@@ -112,7 +115,7 @@ def balls(vtk, grid, array, on_points):
     return glyphs
 
 
-def coloured(vtk, grid, name):
+def coloured(vtk, grid, name, unit):
     """Actors of the grid and their colour bar."""
     array, on_points = find_array(grid, name)
     table = colour_table(vtk, range_of(array))
@@ -137,7 +140,7 @@ def coloured(vtk, grid, name):
         actors[0].GetProperty().LightingOff()
     bar = vtk.vtkScalarBarActor()
     bar.SetLookupTable(table)
-    bar.SetTitle(array.GetName())
+    bar.SetTitle(array.GetName() + unit(array, on_points))
     bar.SetMaximumHeightInPixels(SIZE[1] // 2)
     for text in (bar.GetTitleTextProperty(), bar.GetLabelTextProperty()):
         text.SetColor(0, 0, 0)
@@ -147,7 +150,36 @@ def coloured(vtk, grid, name):
     return actors, bar
 
 
-def draw(vtk, grid, name, path, view):
+def look(camera, bounds, eye, up):
+    """Parallel projection that shows all of a box, with room for the colour bar on the right."""
+    import numpy as np
+    low, high = np.array(bounds[::2]), np.array(bounds[1::2])
+    corners = np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
+    eye, up = (np.array(one, dtype=float) for one in (eye, up))
+    eye /= np.linalg.norm(eye)
+    right = np.cross(up, eye)
+    right /= np.linalg.norm(right)
+    above = np.cross(eye, right)
+    wide, tall = (np.ptp(corners @ axis) for axis in (right, above))
+    room = 1 - BAR / SIZE[0]
+    scale = 0.55 * max(tall, wide / room * SIZE[1] / SIZE[0], 1e-9)
+    # The focal point is in the middle of the picture, the model to its left.
+    focus = (low + high) / 2 + right * scale * SIZE[0] / SIZE[1] * (1 - room)
+    camera.ParallelProjectionOn()
+    camera.SetParallelScale(scale)
+    camera.SetFocalPoint(*focus)
+    camera.SetPosition(*(focus + eye * 2 * np.linalg.norm(high - low)))
+    camera.SetViewUp(*up)
+
+
+def unit_of(path, array, on_points):
+    """Unit of a dataset of a field file, which VTK does not read."""
+    found = read.datasets(path)
+    item = found.get(f"VTKHDF/{'Point' if on_points else 'Cell'}Data/{array.GetName()}")
+    return f", {item.unit}" if item is not None and item.unit not in ("", "1") else ""
+
+
+def draw(vtk, grid, name, path, view, unit):
     """Writes the picture; returns the number of colours of the grid (without background). VTK draws
     into memory, because it reports a file that cannot be written only on the screen."""
     from vtk.util.numpy_support import vtk_to_numpy
@@ -157,18 +189,17 @@ def draw(vtk, grid, name, path, view):
     window.SetMultiSamples(0)  # no mixed colours at edges, so that the colours can be counted
     window.AddRenderer(renderer)
     renderer.SetBackground(1, 1, 1)
-    actors, bar = coloured(vtk, grid, name)
+    actors, bar = coloured(vtk, grid, name, unit)
     for actor in actors:
         renderer.AddActor(actor)
-    camera = renderer.GetActiveCamera()
-    camera.ParallelProjectionOn()
-    eye, up = VIEWS[view]
-    camera.SetPosition(*eye)
-    camera.SetFocalPoint(0, 0, 0)
-    camera.SetViewUp(*up)
-    renderer.ResetCamera()
-    camera.Zoom(1.6 if view == "side" else 1.0)
+    look(renderer.GetActiveCamera(), grid.GetBounds(), *VIEWS[view])
+    renderer.ResetCameraClippingRange()
+    shaded = [actor for actor in actors if actor.GetProperty().GetLighting()]
+    for actor in shaded:
+        actor.GetProperty().LightingOff()
     colours = count_colours(vtk, window)
+    for actor in shaded:
+        actor.GetProperty().LightingOn()
     renderer.AddActor2D(bar)
     grabbed = grab(vtk, window)
     writer = vtk.vtkPNGWriter()
@@ -205,7 +236,7 @@ def render(file, picture, array=None, view="side"):
     with_screen()
     import vtk
     grid = read_grid(vtk, file)
-    colours = draw(vtk, grid, array, picture, view)
+    colours = draw(vtk, grid, array, picture, view, functools.partial(unit_of, file))
     print(f"{picture}: {grid.GetNumberOfCells()} cells; the picture has {colours} different "
           "colours")
     if colours <= 1:
