@@ -91,13 +91,12 @@ def envelope(runs):
         text.append(f"{run.name}: {-np.min(ground):.3f} mm")
     for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
         mark_blocks(panel, runs[0])
-        panel.set_ylabel(f"lowest displacement of {what}\n(mm, up, "
-                         "relative to the beginning of the passage)")
+        panel.set_ylabel(f"lowest displacement of\n{what}, mm, up")
         panel.grid(alpha=0.3)
         panel.legend(fontsize=8, loc="best")
     lower.set_xlabel("x along the track (m)")
-    upper.set_title("Envelope; largest downward displacement of the ground " + "; ".join(text),
-                    fontsize=10)
+    upper.set_title("Envelope relative to the beginning of the passage; largest downward "
+                    "displacement\nof the ground " + "; ".join(text), fontsize=10)
     return figure
 
 
@@ -133,7 +132,7 @@ def peak_text(frequency, amplitude, target):
 def spectra(runs):
     """Amplitude spectra of the sleepers in the passage, root mean square over all sleepers."""
     needs(all(run.sleeper for run in runs), "no sleepers")
-    names = {"acceleration": ("m/s^2", 1), "displacement": ("mm", 1e3), "seat_force": ("kN", 1e-3)}
+    names = {"acceleration": ("m/s2", 1), "displacement": ("mm", 1e3), "seat_force": ("kN", 1e-3)}
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(9, 9))
     marks = measures.loading_frequencies(runs[0])
     text = []
@@ -149,7 +148,7 @@ def spectra(runs):
             shown = frequency <= SHOWN_HZ
             panel.plot(frequency[shown], mean[shown], color=colour, lw=1, label=run.name)
             panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
-            if name != "displacement":
+            if name != "displacement" and marks:
                 text += [f"{run.name}, {name.replace('_', ' ')}: " + ", ".join(
                     f"{mark} = {target:.2f} Hz: {peak_text(frequency, mean, target)}"
                     for mark, target in marks.items())]
@@ -159,10 +158,10 @@ def spectra(runs):
             panel.text(target, 0.97, f" {mark}", transform=panel.get_xaxis_transform(), va="top")
         panel.grid(alpha=0.3)
     sampled = runs[0].time[runs[0].passage()]
-    panels[0].set_ylabel(f"acceleration (m/s^2)\n{FILTER.name_for(sampled)}", fontsize=9)
+    panels[0].set_ylabel(f"acceleration (m/s2)\n{FILTER.name_for(sampled)}", fontsize=9)
     panels[0].legend(fontsize=8)
     panels[-1].set_xlabel("frequency (Hz)")
-    panels[0].set_title("Spectra of sleepers, root mean square over all\n" + "\n".join(text),
+    panels[0].set_title("\n".join(["Spectra of sleepers, root mean square over all", *text]),
                         fontsize=9)
     return figure
 
