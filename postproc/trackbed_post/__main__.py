@@ -42,7 +42,7 @@ def film(given):
     """a film (GIF) of a train over a transition zone; of two runs, the levels of both"""
     if len(given.results) > 2:
         raise read.Unreadable("give one or two result folders")
-    content = transition.film_of(given.results, kinds.origin_of(given.results))
+    content = transition.film_of(given.results, write.origin_of(given.results))
     write.folder(given.output.resolve().parent)
     write.whole(given.output, content)
     print(f"{given.output}: {len(content) / 1e6:.1f} MB")
@@ -61,7 +61,7 @@ def draw_still(given):
 
 def draw_vibration(given):
     """signal, spectrum and third octaves of a history, beside a measured signal"""
-    folder = write.Folder(given.output, kinds.origin_of([given.results]), given.format)
+    folder = write.Folder(given.output, write.origin_of([given.results]), given.format)
     vibration.draw_into(given.results, folder, given.quantity, given.place, given.measured,
                         given.cut_off)
     print_folders([folder])
@@ -69,7 +69,7 @@ def draw_vibration(given):
 
 def draw_curve(given):
     """a quantity of runs over time or x, beside measured or published curves (CSV)"""
-    folder = write.Folder(given.output, kinds.origin_of(given.results), given.format)
+    folder = write.Folder(given.output, write.origin_of(given.results), given.format)
     curves.draw_into(given.results, folder, given.quantity, given.place, given.over, given.shift)
     print_folders([folder])
 
@@ -88,7 +88,8 @@ def run_sweep(given):
     done, ending = sweep.run_all(given.deck, sweep.cases(varied, given.output),
                                 sweep.find_program(given.program), given.ranks)
     if done:
-        folder = write.Folder(given.output, kinds.origin_of([done[0].folder]), given.format)
+        origin = write.origin_of([case.folder for case in done])
+        folder = write.Folder(given.output, origin, given.format)
         sweep.write_results(done, folder, given.quantity, given.place)
         print_folders([folder])
     if ending:

@@ -1,6 +1,5 @@
 """Which figures a run has: that follows from its deck."""
 import dataclasses
-import datetime
 import functools
 import pathlib
 import typing
@@ -38,13 +37,6 @@ def require_comparable(decks):
         raise read.Unreadable("a track without stones and a bed of stones cannot be compared")
 
 
-def origin_of(results):
-    """Program and commit, runs, and today's date, for the lower edge of pictures."""
-    programs = dict.fromkeys(read.origin(path)[0].partition(";")[0] for path in results)
-    names = " and ".join(pathlib.Path(path).resolve().name for path in results)
-    return f"{'; '.join(programs)}: {names}, drawn on {datetime.date.today()}"
-
-
 @dataclasses.dataclass(frozen=True)
 class Part:
     """Figures of one kind of one run or several; `draw` takes the write.Folder for them."""
@@ -80,7 +72,7 @@ def draw_figures(results, path, kind="", formats=("png",)):
         below = pathlib.Path(path)
         if len(results) > len(part.results):
             below = below / f"{part.number + 1}_{part.results[0].resolve().name}"
-        folder = write.Folder(below, origin_of(part.results), formats)
+        folder = write.Folder(below, write.origin_of(part.results), formats)
         try:
             part.draw(folder)
         except read.Unreadable as why:

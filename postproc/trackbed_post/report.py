@@ -134,7 +134,7 @@ def figures_of(runs, folder, over):
     results = [run.folder for run in runs]
     every = [*kinds.parts_of(results, kinds.of_deck(runs[0].deck)), *compared_with(results, over)]
     for i, part in enumerate(every):
-        made = write.Folder(folder / str(i), kinds.origin_of(part.results))
+        made = write.Folder(folder / str(i), write.origin_of(part.results))
         names = ", ".join(path.resolve().name for path in part.results)
         parts.append(element("h3", f"{part.kind}: {names}"))
         try:

@@ -368,10 +368,10 @@ def draw_model(train, folder):
     """The model at the instant of the field files when the largest contact force is greatest, and
     the bed below the axles enlarged."""
     shape = model_drawing.shape_of(train.run, model_drawing.CUT)
-    figure = plt.figure(figsize=(13, 12.2 * shape + 2.9))
+    figure = plt.figure(figsize=(13, 12.2 * shape + 3.25))
     size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)
-    panel = figure.add_axes(np.array([0.6, 2.55, 12.2, 12.2 * shape]) / size)
-    close = figure.add_axes(np.array([0.6, 0.25, 12.2, 1.7]) / size)
+    panel = figure.add_axes(np.array([0.6, 2.9, 12.2, 12.2 * shape]) / size)
+    close = figure.add_axes(np.array([0.6, 0.6, 12.2, 1.7]) / size)
     scenes = [model_drawing.Scene(panel, train.run, model_drawing.CUT),
               model_drawing.Scene(close, train.run, model_drawing.CUT)]
     forces = [(model_drawing.contacts(file), row) for row, file in instants(train, folder)]
@@ -387,14 +387,14 @@ def draw_model(train, folder):
         row = int(np.nanargmax(np.nanmax(on_bed, axis=(1, 2), initial=-1)))
         middle = float(np.mean(train.run.sleepers_x))
         panel.text(0.99, 0.97, "no contact forces: no field files within the passage", ha="right",
-                   va="top", transform=panel.transAxes, fontsize=9)
+                   va="top", transform=panel.transAxes, fontsize=9, zorder=10)
     for scene in scenes:
         scene.set_train(train.passing.x[row])
     low, high = model_drawing.close_up(train.run)
     close.set_ylim(low, high)
     half = 0.5 * (high - low) * 12.2 / 1.7
     close.set_xlim(middle - half, middle + half)
-    close.set_xlabel("")
+    close.set_xlabel("x along the track, m")
     panel.set_xlabel("")
     panel.set_title(model_drawing.heading(train.run), fontsize=11)
     panel.indicate_inset((middle - half, low, 2 * half, high - low), edgecolor="k", lw=1)
@@ -458,7 +458,7 @@ def draw_into(results, folder):
     changes = changes_of(trains)
     sentence = verdict(trains, changes)
     folder.picture("transition", compare(trains, changes, sentence))
-    folder.picture("model", draw_model(trains[0], results[0]))
+    folder.picture("model", draw_model(trains[0], results[0]), write.origin_of(results[:1]))
     for name, text in curves(trains).items():
         folder.file(name, text)
     folder.table("transition.txt",

@@ -1,5 +1,6 @@
 """Writes files completely or not at all. An error is a read.Unreadable with code 2 if another path
 helps, with code 4 if the disk cannot take the file."""
+import datetime
 import errno
 import io
 import os
@@ -9,6 +10,7 @@ from trackbed_post import read
 
 DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 DPI = 130      # of pictures in pixels
+MANY = 3       # runs are named up to this number
 ORIGIN = 0.02  # of the height, for the line that states the origin
 
 
@@ -44,6 +46,15 @@ def whole(path, content):
         raise ending from None
 
 
+def origin_of(results):
+    """Program and commit, runs, and today's date, for the lower edge of pictures."""
+    programs = dict.fromkeys(read.origin(path)[0].partition(";")[0] for path in results)
+    folders = [read.folder_of(path).resolve() for path in results]
+    names = " and ".join(folder.name for folder in folders) if len(folders) <= MANY else \
+        f"{len(folders)} runs in {folders[0].parent.name}"
+    return f"{'; '.join(programs)}: {names}, drawn on {datetime.date.today()}"
+
+
 def state_origin(figure, origin):
     """A line at the lower edge; a dollar in a name is no formula."""
     figure.text(0.995, 0.003, origin.replace("$", r"\$"), fontsize=6, ha="right", va="bottom",
@@ -67,12 +78,13 @@ class Folder:
         self.file(name, text)
         self.tables.append(text)
 
-    def picture(self, name, figure):
-        """Writes NAME.png, or the formats asked for, and closes the figure."""
+    def picture(self, name, figure, origin=""):
+        """Writes NAME.png, or the formats asked for, and closes the figure. `origin`: of a picture
+        of some of the runs."""
         import matplotlib.pyplot as plt  # here: not needed by those who only read results
         if figure.get_constrained_layout():
             figure.get_layout_engine().set(rect=(0, ORIGIN, 1, 1 - ORIGIN))
-        state_origin(figure, self.origin)
+        state_origin(figure, origin or self.origin)
         for form in self.formats:
             content = io.BytesIO()
             figure.savefig(content, dpi=DPI, format=form)

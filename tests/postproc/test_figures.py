@@ -7,7 +7,7 @@ import made
 import matplotlib.image
 import numpy as np
 import pytest
-from trackbed_post import bed_on_ground, kinds, measures, read, write
+from trackbed_post import bed_on_ground, measures, read, write
 
 
 def test_figures_of_two_runs_are_drawn(runs, tmp_path):
@@ -163,4 +163,4 @@ def test_pictures_name_program_run_and_day(runs, tmp_path):
     assert [text.get_text() for text in figure.texts][-1] == "trackbed 0: wedge"
     made.write(tmp_path / "one")
     today = datetime.date.today().isoformat()
-    assert kinds.origin_of([tmp_path / "one"]).endswith(f"one, drawn on {today}")
+    assert write.origin_of([tmp_path / "one"]).endswith(f"one, drawn on {today}")
