@@ -38,8 +38,9 @@ void StagedScheme::write_fields() {
   const observe::TrainInstant train = actions_.train().instant();
   std::optional<observe::TrainView> view;
   if (train.running)
-    view.emplace(*train.running, train.rails, model_.track.wheel_rail.bodies.wheel_radius,
-                 model_.sleepers.gauge);
+    view.emplace(observe::TrainView{*train.running, train.rails,
+                                    model_.track.wheel_rail.bodies.wheel_radius,
+                                    model_.sleepers.gauge});
   observe::write_fields(
       comm_,
       {.folder = run_.folder + "/fields",
