@@ -151,7 +151,7 @@ def coloured(vtk, grid, name, unit):
 
 
 def look(camera, bounds, eye, up):
-    """Parallel projection that shows all of a box, with room for the colour bar on the right."""
+    """Parallel projection that shows all of a box, with space for the colour bar on the right."""
     import numpy as np
     low, high = np.array(bounds[::2]), np.array(bounds[1::2])
     corners = np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
@@ -161,10 +161,10 @@ def look(camera, bounds, eye, up):
     right /= np.linalg.norm(right)
     above = np.cross(eye, right)
     wide, tall = (np.ptp(corners @ axis) for axis in (right, above))
-    room = 1 - BAR / SIZE[0]
-    scale = 0.55 * max(tall, wide / room * SIZE[1] / SIZE[0], 1e-9)
+    part = 1 - BAR / SIZE[0]
+    scale = 0.55 * max(tall, wide / part * SIZE[1] / SIZE[0], 1e-9)
     # The focal point is in the middle of the picture, the model to its left.
-    focus = (low + high) / 2 + right * scale * SIZE[0] / SIZE[1] * (1 - room)
+    focus = (low + high) / 2 + right * scale * SIZE[0] / SIZE[1] * (1 - part)
     camera.ParallelProjectionOn()
     camera.SetParallelScale(scale)
     camera.SetFocalPoint(*focus)
