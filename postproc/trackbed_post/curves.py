@@ -110,7 +110,7 @@ def of_runs(paths, name, place=-1):
 
 def of_file(text):
     """The Curve of FILE.csv:X:Y, two columns of a file with a line of names that end with their
-    units (x_m, time_s, down_mm); of a file with two columns, FILE.csv is enough."""
+    units (x_m, time_s, z_mm); of a file with two columns, FILE.csv is enough."""
     path, wanted = pathlib.Path(text), []
     while not path.is_file() and ":" in path.name and len(wanted) < 2:
         place, _, column = str(path).rpartition(":")

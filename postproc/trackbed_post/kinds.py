@@ -58,8 +58,8 @@ def parts_of(results, kinds):
 
 def draw_figures(results, path, kind="", formats=("png",)):
     """Draws all figures of runs (given by their folders), or those of one kind, into a folder; the
-    write.Folder objects that were written. Figures of the second of two runs that cannot be
-    compared in one picture are in a folder of its name below the first's."""
+    write.Folder objects that were written. Runs that cannot be compared in one picture have a
+    folder each, with number and name, below it."""
     results = [read.folder_of(one) for one in results]
     decks = [read.origin(one)[1] for one in results]
     require_comparable(decks)

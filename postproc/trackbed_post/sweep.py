@@ -214,12 +214,11 @@ def run_all(deck, every, program, ranks):
         require_valid(deck, every[0], program)
     for number, case in enumerate(every, 1):
         words = f"{number} of {len(every)}: {case.folder}"
+        require_same_deck(deck, case)
         if state_of(case) == "finished":
-            require_same_deck(deck, case)
             print(f"{words}: finished before")
             done.append(case)
             continue
-        require_same_deck(deck, case)
         print(words, flush=True)
         code = run(case, deck, program, ranks)
         if code == 0:
