@@ -78,6 +78,8 @@ void Particles::Impl::derive_size(std::size_t b) {
 
 // By id: rows of the lists, histories and binary searches rely on it.
 void Particles::Impl::sort_own() {
+  const auto own_end = state.id.begin() + static_cast<std::ptrdiff_t>(state.own);
+  if (std::is_sorted(state.id.begin(), own_end)) return;
   std::vector<std::size_t> order(state.own);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),
@@ -125,14 +127,14 @@ void Particles::Impl::migrate(std::vector<History>& history) {
         if (to != goes_to.end()) leaving_history[to->second].push_back(h);
       }
   // Those that stay, then the received ones; `sort_own` restores the order.
-  pick(state, staying);
+  if (staying.size() < state.own) pick(state, staying);
   for (const auto& bytes : comm.exchange(leaving))
     for (const std::byte* in = bytes.data(), *end = in + bytes.size(); in < end;)
       in = unpack(state, all_stored, in);
   state.own = state.size();
   for (const auto& list : comm.exchange(leaving_history))
     history.insert(history.end(), list.begin(), list.end());
-  std::sort(history.begin(), history.end());
+  if (!std::is_sorted(history.begin(), history.end())) std::sort(history.begin(), history.end());
   const auto same = [](const History& a, const History& b) { return !(a < b) && !(b < a); };
   history.erase(std::unique(history.begin(), history.end(), same), history.end());
 }
@@ -177,10 +179,11 @@ void add_small_beside_large(const State& state, const Grid& grid, const par::Com
   for (std::size_t r = 0; r < lists.size(); ++r) {
     for (const Vec4& x : large[r]) {
       const Vec3 home = grid.wrapped(x.vec3(), grid.locate(x.vec3()).wrap);
+      const Vec4 ball{home.x(), home.y(), home.z(), x.w};
       for (std::size_t level = 0; level < grid.level_of(x.w); ++level)
-        cells.near(
-            level, home, x.w + grid.levels()[level].bound + grid.skin(),
-            [&](std::size_t b, const Cell&) { lists[r].push_back(static_cast<std::int32_t>(b)); });
+        cells.near(level, ball, [&](const Cells::Member& small, const Cell&) {
+          lists[r].push_back(small.particle);
+        });
     }
     std::sort(lists[r].begin(), lists[r].end());
     lists[r].erase(std::unique(lists[r].begin(), lists[r].end()), lists[r].end());

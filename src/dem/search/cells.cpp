@@ -9,7 +9,7 @@ namespace trackbed::dem {
 Cells::Cells(const State& state, const Grid& grid, std::size_t count)
     : grid_(grid), tables_(grid.levels().size()) {
   std::vector<std::vector<Cell>> cells(tables_.size());
-  std::vector<std::vector<std::int32_t>> particles(tables_.size());
+  std::vector<std::vector<Member>> members(tables_.size());
   wraps_.reserve(count);
   for (std::size_t b = 0; b < count; ++b) {
     const std::size_t level = grid.level_of(state.x[b].w);
@@ -18,14 +18,17 @@ Cells::Cells(const State& state, const Grid& grid, std::size_t count)
     const Lattice::Image image = grid.levels()[level].lattice.locate(state.x[b].vec3());
     wraps_.push_back(image.wrap);
     cells[level].push_back(image.cell);
-    particles[level].push_back(static_cast<std::int32_t>(b));
+    const Vec3 home = grid.wrapped(state.x[b].vec3(), image.wrap);
+    members[level].push_back({{home.x(), home.y(), home.z(), state.x[b].w},
+                              state.id[b],
+                              static_cast<std::int32_t>(b)});
   }
   for (std::size_t level = 0; level < tables_.size(); ++level)
-    tables_[level].fill(cells[level], particles[level]);
+    tables_[level].fill(cells[level], members[level]);
 }
 
 void Cells::Table::fill(const std::vector<Cell>& cells,
-                        const std::vector<std::int32_t>& particles) {
+                        const std::vector<Member>& unsorted) {
   if (cells.empty()) return;
   low = high = cells.front();
   for (const Cell& c : cells)
@@ -39,7 +42,7 @@ void Cells::Table::fill(const std::vector<Cell>& cells,
   members.resize(cells.size());
   std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
   // In the order of input: within a cell particles ascend.
-  for (std::size_t k = 0; k < cells.size(); ++k) members[next[index(cells[k])]++] = particles[k];
+  for (std::size_t k = 0; k < cells.size(); ++k) members[next[index(cells[k])]++] = unsorted[k];
 }
 
 }  // namespace trackbed::dem

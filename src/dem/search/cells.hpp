@@ -18,18 +18,34 @@ class Cells {
   // The first `count` particles.
   Cells(const State& state, const Grid& grid, std::size_t count);
 
-  // Calls visit(particle, across) for all particles of a level that may be within `reach` of a
-  // point in the domain, in an order that does not matter; across: see Lattice::any.
+  // What a search reads of a particle, in one place in memory.
+  struct Member {
+    Vec4 x;  // m, in the domain; w: radius of the ball around the particle
+    Id id;
+    std::int32_t particle;
+  };
+
+  // Calls visit(member, across) for all particles of a level whose balls are nearer than the skin
+  // to a ball (w: radius, m) in the domain, in an order that does not matter; across: see
+  // Lattice::any.
   template <class Visit>
-  void near(std::size_t level, const Vec3& place, double reach, Visit&& visit) const {
+  void near(std::size_t level, const Vec4& ball, Visit&& visit) const {
     const Table& table = tables_[level];
     if (table.members.empty()) return;
-    grid_.levels()[level].lattice.around(place, reach, [&](const Cell& cell, const Cell& across) {
+    const double with_skin = ball.w + grid_.skin();
+    const double furthest = with_skin + grid_.levels()[level].bound;
+    const auto visit_cell = [&](const Cell& cell, const Cell& across) {
       if (!table.holds(cell)) return;
       const std::size_t k = table.index(cell);
-      for (std::uint32_t m = table.begin[k]; m < table.begin[k + 1]; ++m)
-        visit(static_cast<std::size_t>(table.members[m]), across);
-    });
+      const Vec3 from = ball.vec3() - grid_.wrapped(Vec3::Zero(), across);
+      for (std::uint32_t m = table.begin[k]; m < table.begin[k + 1]; ++m) {
+        const Vec4& x = table.members[m].x;
+        const double dx = x.x - from.x(), dy = x.y - from.y(), dz = x.z - from.z();
+        const double reach = with_skin + x.w;
+        if (dx * dx + dy * dy + dz * dz < reach * reach) visit(table.members[m], across);
+      }
+    };
+    grid_.levels()[level].lattice.around(ball.vec3(), furthest, visit_cell);
   }
   // Periods that shift the particle into the domain; the same for all levels, whose lattices cover
   // the same box.
@@ -40,7 +56,7 @@ class Cells {
   struct Table {
     Cell low, high;  // box of the cells in use
     std::vector<std::uint32_t> begin;
-    std::vector<std::int32_t> members;
+    std::vector<Member> members;
 
     bool holds(const Cell& c) const {
       for (std::size_t a = 0; a < 3; ++a)
@@ -52,7 +68,7 @@ class Cells {
       const auto i = [&](std::size_t a) { return static_cast<std::size_t>(c[a] - low[a]); };
       return (i(0) * n(1) + i(1)) * n(2) + i(2);
     }
-    void fill(const std::vector<Cell>& cells, const std::vector<std::int32_t>& particles);
+    void fill(const std::vector<Cell>& cells, const std::vector<Member>& unsorted);
   };
 
   const Grid& grid_;

@@ -52,18 +52,22 @@ class Lattice {
   template <class Visit>
   bool any(const Vec3& low, const Vec3& high, Visit&& visit) const {
     const Cell first = lowest(low, high), last = highest(low, high);
-    std::array<int, 3> c;
-    for (c[0] = first[0]; c[0] <= last[0]; ++c[0])
-      for (c[1] = first[1]; c[1] <= last[1]; ++c[1])
-        for (c[2] = first[2]; c[2] <= last[2]; ++c[2]) {
-          Cell inside = c, image{};
-          for (std::size_t a = 0; a < 3; ++a) {
-            if (c[a] >= 0 && c[a] < count_[a]) continue;
-            image[a] = (c[a] < 0 ? c[a] + 1 : c[a]) / count_[a] - (c[a] < 0 ? 1 : 0);
-            inside[a] -= image[a] * count_[a];
-          }
+    Cell inside, image;
+    const auto fold = [&](std::size_t a, int c) {
+      image[a] = 0;
+      if (c < 0 || c >= count_[a]) image[a] = (c < 0 ? c + 1 : c) / count_[a] - (c < 0 ? 1 : 0);
+      inside[a] = c - image[a] * count_[a];
+    };
+    for (int x = first[0]; x <= last[0]; ++x) {
+      fold(0, x);
+      for (int y = first[1]; y <= last[1]; ++y) {
+        fold(1, y);
+        for (int z = first[2]; z <= last[2]; ++z) {
+          fold(2, z);
           if (visit(inside, image)) return true;
         }
+      }
+    }
     return false;
   }
   // The same for all cells that intersect the cube of half side `reach` around a position in the

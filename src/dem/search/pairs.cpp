@@ -61,16 +61,15 @@ class PairFinder {
     const State& s = scene_.state;
     const Vec3 home = scene_.grid.wrapped(s.x[i].vec3(), cells_.wrap(i));
     partners_.clear();
-    for (std::size_t level = 0; level < scene_.grid.levels().size(); ++level) {
-      const double reach = s.x[i].w + scene_.grid.levels()[level].bound + scene_.skin;
-      cells_.near(level, home, reach, [&](std::size_t j, const Cell& across) {
-        if (s.id[j] <= s.id[i] || (i >= s.own && j >= s.own)) return;
+    const Vec4 ball{home.x(), home.y(), home.z(), s.x[i].w};
+    for (std::size_t level = 0; level < scene_.grid.levels().size(); ++level)
+      cells_.near(level, ball, [&](const Cells::Member& member, const Cell& across) {
+        const auto j = static_cast<std::size_t>(member.particle);
+        if (member.id <= s.id[i] || (i >= s.own && j >= s.own)) return;
         if (s.held[i] != 0 && s.held[j] != 0) return;
         const std::uint16_t shift = shift_number(cells_.wrap(i), cells_.wrap(j), across);
-        if (near(s.x[i], s.x[j], shift))
-          partners_.push_back({s.id[j], static_cast<std::int32_t>(j), shift});
+        partners_.push_back({member.id, member.particle, shift});
       });
-    }
     // The order of cells depends on positions and ranks; that of ids does not.
     std::sort(partners_.begin(), partners_.end(),
               [](const Partner& a, const Partner& b) { return a.id < b.id; });
@@ -223,8 +222,11 @@ std::vector<History> collect_history(const State& state, const Pieces& pieces,
                        {roll.x, roll.y, roll.z}});
       }
   };
+  // Each of the lists is in order already.
   collect(pairs, nullptr);
+  const auto stones_begin = static_cast<std::ptrdiff_t>(all.size());
   collect(stones, &stones.turn);
+  const auto surfaces_begin = static_cast<std::ptrdiff_t>(all.size());
   for (const Approach& a : approaches)
     for (const Approach::Patch& p : a.patches)
       all.push_back({key(a.piece),
@@ -234,7 +236,9 @@ std::vector<History> collect_history(const State& state, const Pieces& pieces,
                      p.size,
                      p.ring,
                      {p.roll.x, p.roll.y, p.roll.z}});
-  std::sort(all.begin(), all.end());
+  std::sort(all.begin() + surfaces_begin, all.end());
+  std::inplace_merge(all.begin() + stones_begin, all.begin() + surfaces_begin, all.end());
+  std::inplace_merge(all.begin(), all.begin() + stones_begin, all.end());
   return all;
 }
 
