@@ -34,18 +34,36 @@ class Cells {
     if (table.members.empty()) return;
     const double with_skin = ball.w + grid_.skin();
     const double furthest = with_skin + grid_.levels()[level].bound;
-    const auto visit_cell = [&](const Cell& cell, const Cell& across) {
-      if (!table.holds(cell)) return;
-      const std::size_t k = table.index(cell);
-      const Vec3 from = ball.vec3() - grid_.wrapped(Vec3::Zero(), across);
-      for (std::uint32_t m = table.begin[k]; m < table.begin[k + 1]; ++m) {
-        const Vec4& x = table.members[m].x;
-        const double dx = x.x - from.x(), dy = x.y - from.y(), dz = x.z - from.z();
-        const double reach = with_skin + x.w;
-        if (dx * dx + dy * dy + dz * dz < reach * reach) visit(table.members[m], across);
+    // Cells above one another are neighbours in memory and are examined as one run.
+    std::uint32_t begin = 0, end = 0;
+    Cell image{};
+    const auto examine = [&] {
+      const Vec3 from = ball.vec3() - grid_.wrapped(Vec3::Zero(), image);
+      while (begin < end) {
+        // Without a branch for each of the many that are not near.
+        std::array<std::uint32_t, 32> found;
+        std::size_t count = 0;
+        for (const std::uint32_t stop = std::min(end, begin + 32); begin < stop; ++begin) {
+          const Vec4& x = table.members[begin].x;
+          const double dx = x.x - from.x(), dy = x.y - from.y(), dz = x.z - from.z();
+          const double reach = with_skin + x.w;
+          found[count] = begin;
+          count += dx * dx + dy * dy + dz * dz < reach * reach ? 1 : 0;
+        }
+        for (std::size_t k = 0; k < count; ++k) visit(table.members[found[k]], image);
       }
     };
-    grid_.levels()[level].lattice.around(ball.vec3(), furthest, visit_cell);
+    grid_.levels()[level].lattice.around(
+        ball.vec3(), furthest, [&](const Cell& cell, const Cell& across) {
+          if (!table.holds(cell)) return;
+          const std::size_t k = table.index(cell);
+          if (table.begin[k] != end || across != image) {
+            examine();
+            begin = table.begin[k], image = across;
+          }
+          end = table.begin[k + 1];
+        });
+    examine();
   }
   // Periods that shift the particle into the domain; the same for all levels, whose lattices cover
   // the same box.
