@@ -19,16 +19,14 @@ Cells::Cells(const State& state, const Grid& grid, std::size_t count)
     wraps_.push_back(image.wrap);
     cells[level].push_back(image.cell);
     const Vec3 home = grid.wrapped(state.x[b].vec3(), image.wrap);
-    members[level].push_back({{home.x(), home.y(), home.z(), state.x[b].w},
-                              state.id[b],
-                              static_cast<std::int32_t>(b)});
+    members[level].push_back(
+        {{home.x(), home.y(), home.z(), state.x[b].w}, state.id[b], static_cast<std::int32_t>(b)});
   }
   for (std::size_t level = 0; level < tables_.size(); ++level)
     tables_[level].fill(cells[level], members[level]);
 }
 
-void Cells::Table::fill(const std::vector<Cell>& cells,
-                        const std::vector<Member>& unsorted) {
+void Cells::Table::fill(const std::vector<Cell>& cells, const std::vector<Member>& unsorted) {
   if (cells.empty()) return;
   low = high = cells.front();
   for (const Cell& c : cells)

@@ -53,16 +53,16 @@ class Cells {
         for (std::size_t k = 0; k < count; ++k) visit(table.members[found[k]], image);
       }
     };
-    grid_.levels()[level].lattice.around(
-        ball.vec3(), furthest, [&](const Cell& cell, const Cell& across) {
-          if (!table.holds(cell)) return;
-          const std::size_t k = table.index(cell);
-          if (table.begin[k] != end || across != image) {
-            examine();
-            begin = table.begin[k], image = across;
-          }
-          end = table.begin[k + 1];
-        });
+    grid_.levels()[level].lattice.around(ball.vec3(), furthest,
+                                         [&](const Cell& cell, const Cell& across) {
+                                           if (!table.holds(cell)) return;
+                                           const std::size_t k = table.index(cell);
+                                           if (table.begin[k] != end || across != image) {
+                                             examine();
+                                             begin = table.begin[k], image = across;
+                                           }
+                                           end = table.begin[k + 1];
+                                         });
     examine();
   }
   // Periods that shift the particle into the domain; the same for all levels, whose lattices cover
