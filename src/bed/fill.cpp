@@ -67,9 +67,8 @@ double pour(dem::Particles& particles, const par::Comm& comm, const Mix& mix, in
     throw RunError(
         fmt::format("the loose stones would reach a height of {:.3g} m, above the top of the "
                     "domain at {:.3g} m (1 m plus ten times the height of all layers); make the "
-                    "bed wider, or the stones more compact by a larger ratio of width to length: "
-                    "bed.elongation (pebbles) or bed.polyhedron.elongation (other generated "
-                    "stones)",
+                    "bed wider, or increase the elongation I/L of the stones (bed.elongation for "
+                    "pebbles, bed.polyhedron.elongation for other generated stones)",
                     top, particles.domain().high.z()));
   std::vector<int> numbers;
   for (const dem::Template& shape : mix.templates())

@@ -151,7 +151,10 @@ void Reader::file(std::string_view name, std::string& value, std::string_view, F
   if (accepts_missing_origins_ && role == FileRole::origin && !from_override)
     value = given;
   else if (!fs::exists(path, error))
-    problem(node, path_of(name), fmt::format(" \"{}\" does not exist", given));
+    problem(node, path_of(name),
+            fmt::format(" \"{}\" does not exist (names in a deck are relative to the folder of the "
+                        "deck, on the command line to the working directory)",
+                        given));
   else if (!fs::is_regular_file(path, error) &&
            !(role == FileRole::origin && fs::is_directory(path, error)))
     problem(node, path_of(name), fmt::format(" \"{}\" is not a file", given));
@@ -269,7 +272,7 @@ bool Reader::take_number(const Node& node, const std::string& path, const Limits
   if (!usual(limits, found)) {
     const bool has_unit = limits.unit != "-" && !limits.unit.empty();
     problems_.warn(
-        &node, fmt::format("{} = {} is far from the usual values ({}{}{}){}", path, shown(found),
+        &node, fmt::format("{} = {} is outside the usual values ({}{}{}){}", path, shown(found),
                            usual_in_words(limits), has_unit ? " " : "", has_unit ? limits.unit : "",
                            has_unit ? "; is its unit right?" : ""));
   }

@@ -99,8 +99,10 @@ struct Table {
     split(text, cells);
     // A missing cell would shift all that follow it, so the row is not read.
     if (cells.size() != width) {
-      problems.push_back(fmt::format("{}:{}: has {} columns, the first line has {}", path, line,
-                                     cells.size(), width));
+      problems.push_back(
+          fmt::format("{}:{}: has {} columns, but the line with the names of the columns has {}; "
+                      "complete the row",
+                      path, line, cells.size(), width));
       return;
     }
     lines.push_back(line);

@@ -61,14 +61,15 @@ void verify(const File& file, const std::string& path) {
   if (format != checkpoint_format)
     refuse(fmt::format(
         "{}: was written by {} version of trackbed (checkpoint format {}; this version reads "
-        "format {})",
+        "format {}); use that version, or run the deck again",
         path, format > checkpoint_format ? "a newer" : "an older", format, checkpoint_format));
   // All numbers are read and checked, each rank its fraction, before they are used.
   for (const std::string& dataset : datasets_of(file))
     if (!file.has_attribute(dataset, checksum_name) ||
         stored_hash(file.handle(), dataset) !=
             static_cast<std::uint64_t>(file.integer_attribute(dataset, checksum_name)))
-      refuse(path + ": is damaged: dataset " + dataset + " does not match its checksum");
+      refuse(path + ": is damaged: dataset " + dataset +
+             " does not match its checksum; an earlier checkpoint of the run may be intact");
 }
 
 // Why `path` is not a complete file, or nothing. Without HDF5, see seal.hpp. On rank 0.
@@ -151,12 +152,15 @@ void write_part(const par::Comm& comm, const std::string& part,
 // before the old checkpoint is given up. Collective.
 void read_back(const par::Comm& comm, const std::string& part) {
   const std::string damage = comm.root() ? defect_of(part) : "";
-  comm.agree(damage.empty() ? ""
-                            : part + ": " + damage + " (found when reading it back after writing)");
+  comm.agree(damage.empty()
+                 ? ""
+                 : part + ": " + damage +
+                       " (found when the file was read back after writing; check the disk)");
   try {
     verify(File(comm, part, Mode::read), part);
   } catch (const InputError& error) {  // the same on all ranks: detected in collective reads
-    throw RunError(std::string(error.what()) + " (found when reading it back after writing)");
+    throw RunError(std::string(error.what()) +
+                   " (found when the file was read back after writing; check the disk)");
   }
 }
 

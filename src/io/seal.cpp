@@ -145,7 +145,8 @@ std::string defect_of(const std::string& path) {
     return cut_or_foreign(in, present);
   const std::uint64_t available = present - sizeof footer;
   constexpr const char* damaged =
-      "is damaged: its structure does not match the checksum at its end";
+      "is damaged: its structure does not match the checksum at its end; an earlier checkpoint of "
+      "the run may be intact";
   // By division: the product with a damaged count could overflow and appear correct.
   if (footer.extents > available / sizeof(Extent) ||
       footer.file_bytes != available - footer.extents * sizeof(Extent))

@@ -87,8 +87,8 @@ void read_through(const io::File& file) {
 // A resumed run replaces the file, so the user has to decide what becomes of it.
 [[noreturn]] void reject(const std::string& path, const std::string& why) {
   throw InputError({fmt::format(
-      "{}: {}; restore this file from a copy, or move it away and resume again: the run then "
-      "continues, but its histories begin at the checkpoint and all earlier rows are lost",
+      "{}: {}; restore this file from a copy; to resume a run without this file, move it away: the "
+      "histories then begin at the checkpoint, and all earlier rows are lost",
       path, why)});
 }
 

@@ -136,9 +136,10 @@ class Cells {
  private:
   std::int64_t index(const Vec3& p, int axis) const { return clamped(p[axis], axis); }
   std::int64_t clamped(double value, int a) const {
+    const std::int64_t last = number_[static_cast<std::size_t>(a)] - 1;
+    if (last == 0) return 0;  // most regions have one cell: no division
     const double cell = std::floor((value - low_[a]) / size_[a]);
-    return static_cast<std::int64_t>(
-        std::clamp(cell, 0.0, static_cast<double>(number_[static_cast<std::size_t>(a)] - 1)));
+    return static_cast<std::int64_t>(std::clamp(cell, 0.0, static_cast<double>(last)));
   }
   std::size_t number(const std::array<std::int64_t, 3>& c) const {
     return static_cast<std::size_t>((c[2] * number_[1] + c[1]) * number_[0] + c[0]);

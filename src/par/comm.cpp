@@ -19,7 +19,7 @@ namespace {
 // MPI counts are int. A larger message results from too few ranks for the model or from an error in
 // the program; an overflow of the count must not go unnoticed.
 int checked_int(std::size_t count) {
-  require(count <= INT_MAX, "an MPI message has at most 2 GB");
+  require(count <= INT_MAX, "an MPI message has at most 2 GB (a large model needs more ranks)");
   return static_cast<int>(count);
 }
 

@@ -145,7 +145,7 @@ std::vector<int> partition_mesh(std::span<const std::int32_t> element_nodes, int
   const int status = METIS_PartMeshDual(&elements, &node_count, begin.data(), nodes.data(),
                                         costs.data(), nullptr, &ncommon, &nparts, nullptr, nullptr,
                                         &cut, element_part.data(), node_part.data());
-  require(status == METIS_OK, "METIS could not partition the mesh");
+  require(status == METIS_OK, "METIS partitions the mesh");
   std::copy(element_part.begin(), element_part.end(), part_of.begin());
   return part_of;
 }

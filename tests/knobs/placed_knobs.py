@@ -105,7 +105,7 @@ REFUSED = {
     "stone.odd.position=[0.02,0,0.012]": "times the smaller radius",
     "stone.odd.position=[-0.03,0,0]": "initially overlaps surface \"floor\" by",
     "domain.low=[0,0,0] domain.high=[1,1,1]": "is outside of the domain ([0, 0, 0] to [1, 1, 1]",
-    "domain.low=[0,0,0]": "must be three numbers, like domain.high",
+    "domain.low=[0,0,0]": "must both be three numbers",
     "domain.low=[1,1,1] domain.high=[0,0,0]": "must be above `low`",
     "plate.floor.normal=[0,0,0]": "must not be zero",
     "plate.floor.edge=[0,0,1]": "must not be along the normal",

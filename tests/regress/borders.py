@@ -69,7 +69,7 @@ WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as 
               "ground.layer[0].elements: elements 0.075 m high in layer \"soil\" do not resolve "
               "the wave of base_motion (vx_m_s)",
           "ground.base_motion={folder}/fast.csv":
-              "fast.csv: the largest speed, 50 m/s, is far from the usual values (at most 5 m/s); "
+              "fast.csv: the largest speed, 50 m/s, is outside the usual values (at most 5 m/s); "
               "is its unit right?",
           "ground.base_motion={folder}/still.csv": "has no motion: all its velocities are 0",
           "ground.side_y_low=viscous": "side_y_low = \"viscous\": has no effect in a plane model"}

@@ -168,7 +168,7 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           "ground.layer.soil.cohesion=5e3": 'must be "mohr_coulomb" for cohesion, angles',
           "ground.rayleigh_stiffness=0.05": "usual values (at most 0.01 s); is its unit right?",
           "ground.layer.soil.rayleigh_stiffness=0.05":
-              "ground.layer[0].rayleigh_stiffness = 0.05 is far from the usual values (at most",
+              "ground.layer[0].rayleigh_stiffness = 0.05 is outside the usual values (at most",
           f"{YIELDS} ground.layer.soil.cohesion=20": "usual values (100 to 1e+07 Pa)",
           f"{YIELDS} ground.layer.soil.tensile_strength=5": "usual values (100 to 1e+07 Pa)",
           f"{YIELDS} ground.layer.soil.friction_angle=0.5": "usual values (at least 5 degrees)",
@@ -299,7 +299,7 @@ def check_loads(program, deck, folder):
 def check_single_cases(program, deck):
     cases = [(["run", "no_such_deck.toml"], 2, "no_such_deck.toml"),
              (["run", deck, "time.step=1.265e-4", "-o", "nowhere"], 2,
-              "the lightest particle (7.994"),
+              "the lightest stone (7.994"),
              (["run", deck, "load.speeed=3"], 2, "speed"),
              (["describe", "grund"], 2, "ground"),
              (["resume", "no_such_checkpoint.h5"], 2, "does not exist"),

@@ -200,7 +200,7 @@ def check_steps(bench):
                   "then stops at larger overlaps) or dem.safety = 0.652", changes=[long], law=HERTZ)
     bench.accepted(lone, [long, "dem.largest_overlap=0.0018"], law=HERTZ)
     bench.accepted(lone, [long, "dem.safety=0.652"], law=HERTZ,
-                   warning="dem.safety = 0.652 is far from the usual values")
+                   warning="dem.safety = 0.652 is outside the usual values")
     # As for beds, only for stones with corners.
     bench.accepted(lone, ["dem.safety=0.45"])
     damped = ["contact.0.zeta_s=1", "contact.0.zeta_n=1"]

@@ -172,25 +172,25 @@ WARNED = [
      "is less than the 20.5 m that its axles need"),
     # In t, MN/m, kN s/m, kN, mm.
     ([], VEHICLE.format('like = "manchester_1"\nbody_mass = 81'),
-     "vehicle[0].body_mass = 81 is far from the usual values (100 to 200000 kg)"),
+     "vehicle[0].body_mass = 81 is outside the usual values (100 to 200000 kg)"),
     ([], VEHICLE.format('like = "manchester_1"\nprimary_stiffness = 2.44'),
-     "vehicle[0].primary_stiffness = 2.44 is far from the usual values (50000 to 1e+09 N/m)"),
+     "vehicle[0].primary_stiffness = 2.44 is outside the usual values (50000 to 1e+09 N/m)"),
     ([], VEHICLE.format('like = "manchester_1"\nsecondary_damping = 130'),
-     "vehicle[0].secondary_damping = 130 is far from the usual values (500 to 1e+07 N s/m)"),
+     "vehicle[0].secondary_damping = 130 is outside the usual values (500 to 1e+07 N s/m)"),
     ([], VEHICLE.format('like = "hxd1_unit"\nloads = [245, 245, 245, 245]'),
-     "vehicle[0].loads[0] = 245 is far from the usual values (500 to 1e+06 N)"),
+     "vehicle[0].loads[0] = 245 is outside the usual values (500 to 1e+06 N)"),
     (["wheel_rail.rail_radius=3e-4"], "",
-     "wheel_rail.rail_radius = 0.0003 is far from the usual values (0.01 to 1 m)"),
-    *(([f"{key}={value}", "track.sleeper.model=beam"], "", f"{key} = {value} is far from the usual")
+     "wheel_rail.rail_radius = 0.0003 is outside the usual values (0.01 to 1 m)"),
+    *(([f"{key}={value}", "track.sleeper.model=beam"], "", f"{key} = {value} is outside the usual")
       for key, value in (("rail.mass", 1e-09), ("rail.area", 1e-05), ("rail.inertia", 1e-09),
                          ("track.sleeper_mass", 0.3), ("track.sleeper.width", 0.001),
                          ("track.sleeper.height", 0.001))),
     (["track.dimension=space", "track.sleeper_length=0.26", "track.gauge=0.2"], "",
-     "track.sleeper_length = 0.26 is far from the usual"),
+     "track.sleeper_length = 0.26 is outside the usual"),
     (["train.start=-400", "passage.duration=0.2"], "",
      "train.start = -400: the train does not reach the track: its first axle is at -390 m at the "
      "end of the run (0.2 s"),
-    (["train.start=-1e6"], "", "train.start = -1000000 is far from the usual values (-500 to"),
+    (["train.start=-1e6"], "", "train.start = -1000000 is outside the usual values (-500 to"),
     ([], VEHICLE.format('kind = "wheel"\nlength = 2\nwheelset_mass = 1e3\nbody_mass = 1e3'),
      "vehicle[0].body_mass = 1000.0: has no effect: it is for vehicles of kind coach or sprung or"),
 ]

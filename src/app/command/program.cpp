@@ -162,7 +162,9 @@ int answered(const par::Comm& comm, int code) {
   const bool lost =
       comm.root() && (!std::cout.flush() || std::fflush(stdout) != 0 || std::ferror(stdout) != 0);
   if (comm.broadcast(lost ? "lost" : "").empty() || code != 0) return code;
-  return complain(comm, "trackbed: the answer cannot be written to standard output",
+  return complain(comm,
+                  "trackbed: the answer cannot be written to standard output; is the disk full, or "
+                  "has the reader of a pipe ended?",
                   ExitCode::run_failed);
 }
 

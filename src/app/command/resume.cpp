@@ -46,8 +46,9 @@ void require_can_go_on(const par::Comm& comm, const io::File& file, const std::s
       spent_changes(comm, file, checkpoint, model, deck, Continuation::within_the_run);
   // The start of the run itself is in its deck.
   if (const std::string place = deck.where("start"); place.starts_with("command line"))
-    problems.push_back(
-        fmt::format("{} has no effect: the run continues from {}", place, checkpoint));
+    problems.push_back(fmt::format(
+        "{} has no effect: the run continues from {}; leave it out, or use trackbed run", place,
+        checkpoint));
   if (!problems.empty()) throw InputError(problems);
 }
 
@@ -105,7 +106,8 @@ bool stages_left(const std::string& checkpoint, const model::Model& model, const
   }
   if (!arguments.overrides.empty())
     throw InputError(
-        {fmt::format("{}: the run is finished, so that these changes have no effect: {}",
+        {fmt::format("{}: the run is finished, so that these changes have no effect: {}; leave "
+                     "them out, or run the deck with them in another folder (-o DIR)",
                      checkpoint, fmt::join(arguments.overrides, " "))});
   return false;
 }

@@ -85,9 +85,10 @@ std::map<std::string, std::string> changed_files(const par::Comm& comm, const io
     if (old == hashes.then.end() || old->second == hash || name == deck_then.end()) continue;
     const std::string& now = deck_now.at(key);
     if (name->second != now) continue;  // another file: reported as a changed value
-    sentences[key] =
-        fmt::format("{} = {}: the content of the file has changed since {} was written",
-                    deck.where(key), now, path);
+    sentences[key] = fmt::format(
+        "{} = {}: the content of the file has changed since {} was written; restore the file, or "
+        "start a new run without this checkpoint",
+        deck.where(key), now, path);
   }
   return sentences;
 }

@@ -57,7 +57,8 @@ bool acts_at_begin(std::string_view name, model::StageKind kind) {
 std::string why_spent(std::string_view key, const model::Model& model, const Position& at) {
   const std::size_t next = at.stage + (at.begun ? 1 : 0);  // first stage that has yet to begin
   if (key == "bed.crest" || key == "bed.slope")
-    return cuts_to_come(model, at.stage, next) ? "" : "the bed has already been cut at its profile";
+    return cuts_to_come(model, at.stage, next) ? ""
+                                               : "no stage that cuts the bed to a profile is left";
   if (key.starts_with("bed."))
     return is_to_come(model, next, {model::StageKind::fill, model::StageKind::cribs})
                ? ""
@@ -74,8 +75,7 @@ std::string why_spent(std::string_view key, const model::Model& model, const Pos
   if (key.starts_with("time.") || key == "dem.safety")
     return next < model.stages.size() ? "" : "the steps of the last stage are already chosen";
   if (at.same_run && key.starts_with("region["))
-    return "the results of this run already contain histories of the region as first defined; it "
-           "cannot be changed within a run";
+    return "the histories of this run contain this region as it was defined at the start";
   if (!key.starts_with("stage[")) return "";
   const std::size_t number = std::stoul(std::string(key.substr(6)));
   if (number < at.stage) return "this stage is over";
@@ -129,8 +129,9 @@ std::vector<std::string> spent_changes(const par::Comm& comm, const io::File& ch
     const auto old = then.find(key);
     if (old == then.end() || old->second == value || !deck.sets(key)) continue;
     if (const std::string why = why_spent(key, model, at); !why.empty())
-      sentences.push_back(fmt::format("{} = {} has no effect: {}; the value in {} is {}",
-                                      deck.where(key), value, why, path, old->second));
+      sentences.push_back(
+          fmt::format("{} = {} has no effect: {}; leave it out (the value in {} is {})",
+                      deck.where(key), value, why, path, old->second));
   }
   return sentences;
 }

@@ -268,8 +268,9 @@ double stable_step(const Physics& physics, const Parameters& parameters, double 
   const double stiffest = stiffest_contact(physics, largest, parameters.largest_overlap);
   const double damping = largest_damping(physics);
   if (limit) {
-    *limit = fmt::format("the lightest particle ({:.4g} kg) on the stiffest contact ({:.4g} N/m)",
-                         lightest, stiffest);
+    *limit = fmt::format(
+        "sqrt(m/k) of the lightest stone ({:.4g} kg) and the stiffest contact ({:.4g} N/m)",
+        lightest, stiffest);
     if (damping > 1)
       *limit += fmt::format(
           "; the sub-step is divided by the largest damping ratio of the contact laws, {:.3g} (low "

@@ -113,8 +113,10 @@ void Particles::points(std::size_t b, const std::function<void(const Vec3&)>& vi
   if (known[shape].empty())
     known[shape] = geom::points_within(impl_->shapes[s.shape[b]], points_of_particle,
                                        impl_->domain.dimension == Dimension::plane);
-  const Quat q = quat(s.q[b]);
-  for (const Vec3& point : known[shape]) visit(s.x[b].vec3() + s.scale_now(b) * (q * point));
+  // A matrix: it takes half of the operations that a quaternion takes for each point.
+  const Mat3 turned = s.scale_now(b) * quat(s.q[b]).toRotationMatrix();
+  const Vec3 centre = s.x[b].vec3();
+  for (const Vec3& point : known[shape]) visit(centre + turned * point);
 }
 
 namespace {

@@ -287,11 +287,11 @@ void Particles::Impl::compute_pair_forces(double dt) {
   if (shapes.any_stones())
     worst = std::max(worst, stone_contacts.compute_forces(scene(), dt, stones, state));
   if (worst > parameters.largest_overlap)
-    report(
-        fmt::format("two stones overlap by {:.3g} of the smaller radius (stones with corners: "
-                    "rounding radius; limit dem.largest_overlap = {:.3g}); a smaller time.step or "
-                    "dem.safety, a stiffer contact or a slower load may help",
-                    worst, parameters.largest_overlap));
+    report(fmt::format(
+        "two stones overlap by {:.3g} times the smaller radius (of stones with corners: the "
+        "smaller rounding radius), more than dem.largest_overlap = {:.3g}; use a smaller time.step "
+        "or dem.safety, stiffer contacts, or slower loading",
+        worst, parameters.largest_overlap));
 }
 
 }  // namespace trackbed::dem

@@ -99,7 +99,7 @@ std::vector<std::string> look_at_times(const GroundParameters& parameters, Dimen
   std::vector<std::string> odd;
   if (const double speed = wave.fastest(); speed > fastest_usual)
     odd.push_back(
-        fmt::format("the largest speed, {:g} m/s, is far from the usual values (at most {:g} m/s); "
+        fmt::format("the largest speed, {:g} m/s, is outside the usual values (at most {:g} m/s); "
                     "is its unit right?",
                     speed, fastest_usual));
   const std::string cut = cut_off(parameters, wave, dimension, time);

@@ -198,8 +198,8 @@ void Ground::Impl::check_finite() {
   for (std::size_t t = 0; t < own_top.size(); ++t)
     if (!window_start_[t].allFinite()) {
       trouble = "the ground diverges: top node " + std::to_string(own_top[t].number) +
-                " has no finite displacement; reduce the time step (ground.safety, or time.window "
-                "with implicit steps)";
+                " has no finite displacement; reduce the time step (ground.safety; with implicit "
+                "steps time.window, or passage.step with model = \"track_on_ground\")";
       return;
     }
 }

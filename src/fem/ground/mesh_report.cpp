@@ -147,10 +147,10 @@ void check_wave(const SolidMesh& mesh, const GroundParameters& parameters, const
   }
   std::vector<std::string> problems;
   if (!below)
-    problems.push_back(
-        fmt::format("{}: no viscous border faces down, but the wave of ground.base_motion enters "
-                    "through the dashpots of such a border",
-                    parameters.mesh));
+    problems.push_back(fmt::format(
+        "{}: no viscous border faces down, but the wave of ground.base_motion enters through the "
+        "dashpots of such a border; set holds = \"viscous\" for the border at the base",
+        parameters.mesh));
   for (const auto& [at, axis] : effects) {
     const auto report = [&, border = at.first](std::vector<std::string>& to,
                                                const std::string& what) {

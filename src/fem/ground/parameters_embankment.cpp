@@ -32,8 +32,8 @@ void refuse_others(const GroundParameters& p, Section& s) {
     const Sides side = p.side(static_cast<int>(i / 2), i % 2 == 1);
     without(side == p.sides ? "sides" : keys[i],
             side != Sides::free_field && side != Sides::periodic,
-            "cannot be free_field or periodic with ground.section: the ground beside the model is "
-            "neither level nor the same at both ends");
+            "cannot be free_field or periodic with ground.section, whose tetrahedra do not support "
+            "these conditions; use free, roller, viscous or fixed");
   }
   const bool half = p.y.size() == 2 && p.y[0] == 0;
   without(

@@ -40,7 +40,9 @@ std::string both_periodic(const GroundParameters& p, const std::string& key) {
 
 // A boundary condition that transmits the wave, if the ground supports it. Free fields are elastic.
 std::string better(const GroundParameters& p, const std::string& key) {
-  if (p.of_tetrahedra()) return "";
+  if (p.of_tetrahedra())
+    return "; use roller where the wave moves the ground parallel to this side, otherwise place "
+           "the side further away";
   const char* elastic = p.yields() ? "" : "free_field or ";
   return fmt::format("; use {}{}", elastic, both_periodic(p, key));
 }
@@ -124,7 +126,8 @@ WaveAtSide wave_at(const GroundParameters& p, const NamedSide& side, int axis,
     return {side.key, side.holds == Sides::fixed ? "fixed" : "roller",
             "holds the ends of the ground, which base_motion moves along the track (vx_m_s is not "
             "0)" +
-                better(p, side.key),
+                (p.of_tetrahedra() ? "; use viscous or free, and place the side far from the track"
+                                   : better(p, side.key)),
             true};
   if (side.holds == Sides::free && (axis == 0 || wave.moves(2)))
     return {side.key, "free",

@@ -77,7 +77,7 @@ Surface joined(Soup& soup, std::vector<std::string>& repairs) {
   if (!pmp::orient_polygon_soup(points, soup.polygons))
     repairs.push_back("non-manifold edges (of more than two facets) or vertices were split");
   if (!pmp::is_polygon_soup_a_polygon_mesh(soup.polygons))
-    refuse("the facets do not form a surface");
+    refuse("the facets do not form a surface; repair it in a mesh editor, for example MeshLab");
   Surface surface;
   pmp::polygon_soup_to_polygon_mesh(points, soup.polygons, surface);
   if (!pmp::triangulate_faces(surface)) refuse("a facet cannot be cut into triangles");
@@ -122,7 +122,10 @@ void close_holes(Surface& surface, double extent, std::vector<std::string>& repa
                       length, hole * extent, hole));
     std::vector<Surface::Face_index> patch;
     pmp::triangulate_hole(surface, border, std::back_inserter(patch));
-    if (patch.empty()) refuse("the mesh is not closed, and a hole cannot be filled");
+    if (patch.empty())
+      refuse(
+          "the mesh is not closed, and a hole cannot be filled; repair it in a mesh editor, for "
+          "example MeshLab");
   }
   if (!borders.empty()) repairs.push_back(fmt::format("small holes closed: {}", borders.size()));
 }
@@ -136,7 +139,8 @@ void require_depth(const std::vector<Vec3>& points, double extent) {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Vec3& p : points) spread += (p - mean) * (p - mean).transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread, Eigen::EigenvaluesOnly);
-  if (!(axes.eigenvalues()[0] > sheet * sheet * extent * extent)) refuse("the mesh is flat");
+  if (!(axes.eigenvalues()[0] > sheet * sheet * extent * extent))
+    refuse("the mesh is flat; use a scan of the whole stone");
 }
 
 // Closed, then free of self-intersections, then outward: each requires the one before. Mass is
@@ -144,10 +148,13 @@ void require_depth(const std::vector<Vec3>& points, double extent) {
 void check(Surface& surface, double extent) {
   // Below it the inertia is dominated by rounding, and no stone is that thin.
   constexpr double flat = 1e-9;  // of the extent cubed
-  if (!CGAL::is_closed(surface)) refuse("the mesh is not closed");
-  if (pmp::does_self_intersect(surface)) refuse("the mesh intersects itself");
+  if (!CGAL::is_closed(surface))
+    refuse("the mesh is not closed; repair it in a mesh editor, for example MeshLab");
+  if (pmp::does_self_intersect(surface))
+    refuse("the mesh intersects itself; repair it in a mesh editor, for example MeshLab");
   pmp::orient_to_bound_a_volume(surface);
-  if (!(pmp::volume(surface) > flat * extent * extent * extent)) refuse("the mesh has no volume");
+  if (!(pmp::volume(surface) > flat * extent * extent * extent))
+    refuse("the mesh has no volume; use a scan of the whole stone");
 }
 
 // Removed vertices leave gaps in CGAL's numbering; ours has none.
@@ -186,7 +193,8 @@ Import import_mesh(const std::string& bytes, MeshFormat format, double unit,
     import.mesh = mesh_of(surface);
     return import;
   } catch (const CGAL::Failure_exception&) {
-    throw InputError({name + ": the mesh is too damaged to be repaired"});
+    throw InputError({name + ": the mesh is too damaged to be repaired; repair it in a mesh "
+                             "editor, for example MeshLab"});
   } catch (const std::exception& error) {  // lengths and counts of a broken file, too
     throw InputError({name + ": " + error.what()});
   }

@@ -26,7 +26,7 @@ Number number_named(std::string_view name) {
   if (name == "uint" || name == "uint32") return Number::u32;
   if (name == "float" || name == "float32") return Number::f32;
   if (name == "double" || name == "float64") return Number::f64;
-  refuse("the file header has a property of unknown type");
+  refuse("the file header has a property of unknown type; save the mesh as STL or OBJ");
 }
 
 struct Property {

@@ -142,7 +142,9 @@ void measure(const Mesh& mesh, Clump& clump) {
 Clump clump(const Mesh& mesh, int spheres) {
   const double volume = mesh_solid(mesh).volume;
   const auto inner = inner_spheres(mesh, spheres);
-  if (inner.empty()) throw std::invalid_argument("the mesh is too thin to contain spheres");
+  if (inner.empty())
+    throw std::invalid_argument(
+        "the mesh is too thin to contain spheres; use convex pieces instead (without --spheres)");
   Clump result;
   result.spheres = filled(inner, volume, extent_of(mesh.vertices));
   result.volume_error = union_solid(result.spheres, 192).volume / volume - 1;

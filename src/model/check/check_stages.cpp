@@ -36,7 +36,9 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
     say(comm, "  stones: as in " + given.start + "");
   }
   const auto megabytes = static_cast<double>(world.memory()) / (1024 * 1024);
-  say(comm, fmt::format("memory: at most {:.2g} MB of state per rank", comm.max(megabytes)));
+  say(comm, fmt::format("memory before the first window: {:.2g} MB of state on the rank with the "
+                        "most; contacts of stones are added during the run",
+                        comm.max(megabytes)));
 }
 
 }  // namespace trackbed::model

@@ -240,7 +240,8 @@ void declare_ground_mesh(const Model& model, input::Section& s) {
          {.reads = {"dimension", what}});
   s.rule("time.window", model.time.window > 0,
          fmt::format("must be given with {}: the stable window depends on the masses of the nodes "
-                     "of its top, which do not follow from the deck",
+                     "of its top, which do not follow from the deck; if a value is too large, it "
+                     "is refused and the stable window is reported",
                      what),
          {.reads = {"time.window", what}});
   if (ground.mesh.empty()) declare_crest(model, s);

@@ -166,7 +166,7 @@ void declare_domain(const Model& model, input::Section& s) {
   const DomainParameters& d = model.placed.domain;
   const auto ok = [](const std::vector<double>& v) { return v.empty() || v.size() == 3; };
   s.rule("domain.low", ok(d.low) && d.low.size() == d.high.size(),
-         "must be three numbers, like domain.high, or both must be left out",
+         "domain.low and domain.high must both be three numbers, or both be left out",
          {.reads = {"domain"}});
   if (!ok(d.low) || d.low.size() != d.high.size()) return;
   const dem::Domain box = model.domain();
@@ -207,10 +207,9 @@ void declare_motion(const Model& model, input::Section& s) {
          model.time.window > 0 || model.time.step > 0 || model.time.substeps == 1 ||
              model.time.substeps <= contact / 4,
          fmt::format(
-             "a window of {} sub-steps is longer than a quarter of a contact of the lightest stone "
-             "(about {:.1f} sub-steps): impulses, peak forces and supplied work are taken only at "
-             "the ends of windows, which gives fewer than four values in such a contact and misses "
-             "contacts shorter than a window; give at most {:d}",
+             "a window of {} sub-steps is too long: a contact of the lightest stone lasts about "
+             "{:.1f} sub-steps, and impulses, peak forces and supplied work use only the values at "
+             "the ends of windows, of which a contact needs at least four; give at most {:d}",
              model.time.substeps, contact, std::max(1, static_cast<int>(contact / 4))),
          {.severity = input::Severity::warning, .reads = {"time.substeps", "dem.safety"}});
   s.rule("time.step", stones.empty() || moves || model.time.step > 0,

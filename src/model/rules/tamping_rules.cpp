@@ -19,7 +19,7 @@ void declare_clearance(const Model& model, input::Section& s) {
   s.rule("tamping.gap",
          sleepers.count < 2 || 2 * reach <= sleepers.spacing - sleepers.width + same_length,
          fmt::format("two tines need {:g} m each (gap, thickness and amplitude), together more "
-                     "than the space between sleepers ({:g} m)",
+                     "than the space between sleepers ({:g} m); reduce gap, thickness or amplitude",
                      reach, sleepers.spacing - sleepers.width),
          about);
   // Surfaces have no periodic images: a stone that crosses the side near a tine would suddenly

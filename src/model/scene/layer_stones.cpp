@@ -83,9 +83,9 @@ void require_fill_height(const Model& model, const StonesOfLayers& layers,
     if (stage.growth == 0 && top > high)  // growing stones begin small
       throw InputError({fmt::format(
           "{}: the loose stones would reach {:.3g} m, above the limit of {:.3g} m (1 m plus ten "
-          "times the height of all layers); make the bed wider, or the stones more compact by a "
-          "larger ratio of width to length: bed.elongation (pebbles) or "
-          "bed.polyhedron.elongation (other generated stones)",
+          "times the height of all layers); make the bed wider, or increase the elongation I/L of "
+          "the stones (bed.elongation for pebbles, bed.polyhedron.elongation for other generated "
+          "stones)",
           deck.where(stage.layer.empty() ? "bed.height"
                                          : fmt::format("bed.layer.{}.height", stage.layer)),
           top, high)});

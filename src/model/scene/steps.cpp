@@ -50,7 +50,7 @@ Steps choose_steps(const World& world, const StonesStep& stones, const Stage& st
   const CouplingLimit coupling = coupling_limit(world, stage);
   Steps steps;
   steps.window = step * static_cast<double>(model.time.substeps);
-  steps.limit = model.time.step > 0 ? "time.step" : "the stones, " + stones.limit;
+  steps.limit = model.time.step > 0 ? "time.step" : "the stones: " + stones.limit;
   if (stage.ground_moves && world.ground) {
     // Not a limit of the window: the ground divides it into as many steps as it needs.
     const double ground = world.ground->stable_step(&ground_words);

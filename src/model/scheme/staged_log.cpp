@@ -76,7 +76,7 @@ void say_stage_begins(RunContext& run, World& world, const Stage& stage) {
   const bool stones = world.model.has_stones();
   say_values(
       comm,
-      "stage {}: {}window {:.4g} s{} (determined by {}), up to {:.4g} s = {} windows; memory "
+      "stage {}: {}window {:.4g} s{} (determined by {}), at most {:.4g} s in {} windows; memory "
       "{:.2g} MB per rank",
       stage.name,
       stones ? fmt::format("{} stone{} ({} piece{}), ", totals.particles,
@@ -103,7 +103,7 @@ std::string status_of(const World& world) {
   return fmt::format(
       "E_kin {:.3g} J | largest overlap {:.3g} um | unbalanced {:.2g} | {} contacts{}{}",
       totals.kinetic, totals.largest_overlap * 1e6, totals.unbalanced, totals.contacts,
-      deep > 0 ? fmt::format(" | {} overlaps deeper than the roundings", deep) : "",
+      deep > 0 ? fmt::format(" | cores overlapped in {} cases", deep) : "",
       world.platen ? fmt::format(" | platen {:.1f} kPa at {:.4f} m", world.platen->pressure() / 1e3,
                                  world.platen->z())
                    : "");

@@ -57,7 +57,8 @@ std::vector<std::string> warnings_of_passage(const TrackModel& model, const Buil
   if (const double load = mean_load(built); load > 0 && wheels.most > far_above * load)
     warnings.push_back(
         fmt::format("the largest wheel force is {:.3g} kN, {:.3g} times the static load (limit "
-                    "{:g} times): the contact is assumed to be elastic, but steel would yield",
+                    "{:g} times): the contact is assumed to be elastic, but steel would yield; "
+                    "check irregularity, speed and passage.step",
                     wheels.most / 1e3, wheels.most / load, far_above));
   const bool beam = model.line.track.support == track::Support::none;
   const double bound = beam ? far_of_span * built.line.length() : far_down;

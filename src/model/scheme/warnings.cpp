@@ -40,7 +40,8 @@ std::string warning_of_sleepers(const World& world) {
   return fmt::format(
       "the sleeper at x = {:g} m has settled by {:.3g} mm (limit {:.3g} mm) since it was placed on "
       "{:.3g} mm of ballast: the ballast below this sleeper has failed or the ground has sunk; "
-      "results since this happened are not reliable",
+      "results since this happened are not reliable; check loads, compaction and the stiffness of "
+      "the ground",
       sleepers.x(worst), 1e3 * sunk(worst), 1e3 * limit, 1e3 * ballast);
 }
 
@@ -89,9 +90,9 @@ std::string warning_of_bed(const World& world, std::span<const Stage> done) {
   const double most = (1 + bed_tolerance) * expected_height + voids_at_faces;
   if (height >= least && height <= most) return {};
   return fmt::format(
-      "the compacted bed is {:.3g} m high (porosity {:.2f}), outside the accepted range of {:.3g} "
-      "to {:.3g} m; the volume of the stones and the porosity of the deck ({:.3g}) give {:.3g} m, "
-      "and the height in the deck is {:g} m; check the stages, or change bed.porosity",
+      "the compacted bed is {:.3g} m high (porosity {:.2f}), but a height of {:.3g} to {:.3g} m is "
+      "expected: with the porosity of the deck ({:.3g}) these stones would be {:.3g} m high "
+      "(bed.height: {:g} m); check the stages, or change bed.porosity",
       height, 1 - volume / (area * height), least, most, expected.porosity, expected_height,
       expected.height);
 }
@@ -110,11 +111,11 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
   // A few occur in fills with high speeds; each costs about a hundred contacts.
   const std::int64_t deep = world.particles.core_overlaps();
   if (deep > world.particles.totals().particles)
-    warnings.push_back(
-        fmt::format("in {} cases (one pair in one sub-step each) two stones overlapped by more "
-                    "than their roundings: give larger roundings (bed.polyhedron.rounding), "
-                    "stiffer contacts or lower speeds",
-                    deep));
+    warnings.push_back(fmt::format(
+        "the cores of two stones overlapped in {} cases (each pair counts once in each sub-step), "
+        "that is, by more than the sum of their rounding radii; increase the rounding radius of "
+        "the stones (rounding, polyhedron.rounding), use stiffer contacts, or reduce speeds",
+        deep));
   return warnings;
 }
 

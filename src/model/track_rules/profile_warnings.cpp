@@ -122,10 +122,10 @@ void warning_rows(const TrackModel& model, const track::Irregularity& profile,
                     "instead of m?",
                     p.file, most, high));
   if (rows.back() < length || rows.front() > p.fade)
-    to.push_back(
-        fmt::format("{} has rows from {:g} to {:g} m, but the track reaches from 0 to {:g} m; "
-                    "outside of this range the profile keeps the height of the nearest row",
-                    p.file, rows.front(), rows.back(), length));
+    to.push_back(fmt::format(
+        "{} has rows from {:g} to {:g} m, but the track reaches from 0 to {:g} m; "
+        "before the first and after the last row the profile keeps the height of that row",
+        p.file, rows.front(), rows.back(), length));
 }
 
 // A rail with its number, 0 left, 1 right.

@@ -292,7 +292,9 @@ void declare_run(const TrackModel& model, input::Section& s) {
   const double length = model.line.track.length;
   for (const double x : passage.points)
     s.rule("passage.points", x <= length,
-           fmt::format("{:g} m is beyond the track, which is {:g} m long", x, length),
+           fmt::format("{:g} m is beyond the track, which is {:g} m long; give points on the "
+                       "track, or [] for none",
+                       x, length),
            {.reads = {"passage.points", "track.length"}});
   s.rule("train.start", model.train.vehicles.empty() || model.train.start < length,
          fmt::format("is beyond the track, which is {:g} m long", length),

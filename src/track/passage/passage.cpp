@@ -245,10 +245,11 @@ void Passage::Impl::solve_contacts(const Vector& without) {
     if (!change.allFinite()) break;
     if (largest <= parameters.tolerance) return;
   }
-  throw RunError(fmt::format(
-      "wheel-rail contacts did not converge to {:g} m in {} iterations of Newton's method: the "
-      "last one changed an approach by {:.2g} m; reduce the time step (passage.step)",
-      parameters.tolerance, most_iterations, largest));
+  throw RunError(
+      fmt::format("the wheel-rail contacts did not converge to passage.tolerance = {:g} m within "
+                  "{} iterations of Newton's method; the last iteration changed an approach by "
+                  "{:.2g} m; reduce the time step (passage.step), or increase passage.tolerance",
+                  parameters.tolerance, most_iterations, largest));
 }
 
 // N, on the track's unknowns, due to these contact forces.

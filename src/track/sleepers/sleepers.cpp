@@ -273,7 +273,7 @@ std::string RigidSleepers::trouble() const {
     if (!body.displacement.allFinite() || !body.attitude.coeffs().allFinite())
       return fmt::format(
           "the position or rotation of the sleeper placed at x = {:g} m is not a number; use a "
-          "smaller time.step or dem.safety",
+          "smaller time.step or dem.safety, or a shorter time.window",
           x(i));
   }
   return "";

@@ -211,7 +211,7 @@ std::vector<std::string> lacking(const VehicleParameters& v) {
   need("length", v.length > 0);
   if (layout.constant) {
     need("axles", !v.axles.empty());
-    need("loads", v.loads.size() == v.axles.size());
+    need("loads (one for each axle)", v.loads.size() == v.axles.size());
     return names;
   }
   need("wheelset_mass", v.wheelset_mass > 0);

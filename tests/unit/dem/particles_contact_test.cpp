@@ -212,7 +212,7 @@ TEST(Contact, LostAndOverlappingParticlesAreReported) {
   p.add(two);
   p.remove([](const dem::ParticleView& view) { return view.id == 0; });
   p.advance(1e-6, 1);
-  EXPECT_EQ(p.trouble().rfind("two stones overlap by 1.5 of the smaller radius", 0), 0u);
+  EXPECT_EQ(p.trouble().rfind("two stones overlap by 1.5 times the smaller radius", 0), 0u);
 }
 
 // A ball held between two others spins about the line of centres and a little across it. Energy per

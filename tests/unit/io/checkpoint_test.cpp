@@ -135,7 +135,7 @@ TEST(Checkpoint, NamesTheDamagedDatasetAndAnotherFormat) {
     file.seekp(static_cast<std::streamoff>(at));
     file.put('\1');
   });
-  EXPECT_EQ(refusal(path), path + ": is damaged: dataset /dem/x does not match its checksum");
+  EXPECT_EQ(refusal(path), path + ": is damaged: dataset /dem/x does not match its checksum; an earlier checkpoint of the run may be intact");
   write(scratch, "c.h5", 1);
   on_root([&] {
     std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
@@ -143,7 +143,7 @@ TEST(Checkpoint, NamesTheDamagedDatasetAndAnotherFormat) {
     file.put('\1');
   });
   EXPECT_EQ(refusal(path),
-            path + ": is damaged: its structure does not match the checksum at its end");
+            path + ": is damaged: its structure does not match the checksum at its end; an earlier checkpoint of the run may be intact");
   for (const bool newer : {true, false}) {
     const std::int64_t format = checkpoint_format + (newer ? 1 : -1);
     {
@@ -155,7 +155,8 @@ TEST(Checkpoint, NamesTheDamagedDatasetAndAnotherFormat) {
     EXPECT_EQ(refusal(path), path + ": was written by " + (newer ? "a newer" : "an older") +
                                  " version of trackbed (checkpoint format " +
                                  std::to_string(format) + "; this version reads format " +
-                                 std::to_string(checkpoint_format) + ")");
+                                 std::to_string(checkpoint_format) +
+                                 "); use that version, or run the deck again");
   }
 }
 
