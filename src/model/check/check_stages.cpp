@@ -37,8 +37,9 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
   }
   const auto megabytes = static_cast<double>(world.memory()) / (1024 * 1024);
   say(comm, fmt::format("memory before the first window: {:.2g} MB of state on the rank with the "
-                        "most; contacts of stones are added during the run",
-                        comm.max(megabytes)));
+                        "most{}",
+                        comm.max(megabytes),
+                        model.has_stones() ? "; contacts of stones are added during the run" : ""));
 }
 
 }  // namespace trackbed::model
