@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`check` accepts every deck under inputs, and the two decks of transition zones, which are too
+"""`check` accepts and draws every deck under inputs, and the two decks of transition zones, which are too
 long for tests, run through all their stages in a short form: the bed is loose and the train passes
 at 900 m/s.
 
@@ -9,6 +9,7 @@ import concurrent.futures
 import pathlib
 import shutil
 import sys
+import xml.etree.ElementTree as ET
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "support"))
@@ -23,14 +24,18 @@ STAGES = ["fill", "compact", "release", "sleepers", "bed_in", "trains", "moving_
 OF_CELLS = {"tile.toml", "track.toml", "quickstart.toml"}
 
 
-def check(program, deck):
-    """The report of a deck that is not accepted, or nothing."""
-    ran = program(1, "check", deck)
+def check(program, deck, folder):
+    """The report of a deck that is not accepted or not drawn, or nothing."""
+    drawing = folder / f"{deck.parent.name}_{deck.stem}.svg"
+    ran = program(1, "check", deck, "--draw", drawing)
     lines = ran.stderr.strip().splitlines()
     absent = (deck.name in OF_CELLS and ran.returncode == 2 and len(lines) == 1
               and "bed.cell" in lines[0] and "does not exist" in lines[0])
-    if ran.returncode == 0 or absent:
+    if absent:
         return ""
+    if ran.returncode == 0:
+        parts = {part.tag.split("}")[1] for part in ET.parse(drawing).getroot().iter()}
+        return "" if parts & {"polygon", "circle", "polyline"} else f"{deck}: an empty drawing"
     return f"{deck}: {ran.returncode}\n{ran.stdout}{ran.stderr}"
 
 
@@ -41,15 +46,17 @@ def run_short(program, deck, folder):
 
 
 def main():
-    program, inputs, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3]
+    program, inputs, folder = (Program(sys.argv[1]), pathlib.Path(sys.argv[2]),
+                               pathlib.Path(sys.argv[3]))
     shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
     decks = sorted(inputs.rglob("*.toml"))
     if len(decks) < 40:
         raise SystemExit(f"only {len(decks)} decks below {inputs}")
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
-        runs = [pool.submit(run_short, program, inputs / name, pathlib.Path(folder) / name)
+        runs = [pool.submit(run_short, program, inputs / name, folder / name)
                 for name in ("shi/transition.toml", "shi/short.toml")]
-        refused = list(filter(None, pool.map(lambda deck: check(program, deck), decks)))
+        refused = list(filter(None, pool.map(lambda deck: check(program, deck, folder), decks)))
         for run in runs:
             run.result()
     if refused:

@@ -8,7 +8,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include "app/command/command_parts.hpp"
 #include "app/restart/compatible.hpp"
@@ -18,6 +21,7 @@
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/petsc.hpp"
 #include "trackbed/io/checkpoint.hpp"
+#include "trackbed/io/replace.hpp"
 #include "trackbed/model/checks.hpp"
 #include "trackbed/model/effective.hpp"
 #include "trackbed/observe/results.hpp"
@@ -84,7 +88,36 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   return finish(run, context);
 }
 
+namespace {
+
+// On rank 0; a picture that cannot be written is a failure of the command.
+void draw(const par::Comm& comm, const std::string& path, const model::Model& model,
+          const std::vector<bed::PlacedShape>& shapes, const std::string& deck) {
+  if (path.empty()) return;
+  io::replace_file(comm, path, [&](const std::string& part) {
+    std::string problem;
+    if (comm.root()) {
+      std::ofstream file(part);
+      file << model::drawing_of(model, shapes, deck);
+      if (!file.flush()) problem = path + " cannot be written: " + std::strerror(errno);
+    }
+    comm.agree(problem);
+  });
+  print(comm, "drawing: " + path + "\n");
+}
+
+void require_svg(const std::string& path) {
+  if (!path.empty() && !path.ends_with(".svg"))
+    throw InputError(
+        {fmt::format("--draw {}: drawings are SVG files; give a name that ends in "
+                     ".svg",
+                     path)});
+}
+
+}  // namespace
+
 int check(const par::Comm& comm, const Arguments& arguments) {
+  require_svg(arguments.drawing);
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   Warnings warnings{comm};
   const model::Model model = read_model(deck, warnings);
@@ -94,6 +127,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
       print(comm, ground.size + "\n");
     model::check_track(comm, model);  // takes steps, and so uses the options of the ground
     warn_of_unused_options(comm, fem::Petsc::unused_options());
+    draw(comm, arguments.drawing, model, {}, arguments.deck);
     print(comm, arguments.deck + " is valid\n");
     return static_cast<int>(ExitCode::success);
   }
@@ -107,6 +141,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   look_at_cell(model, deck, warnings);
   look_at_profiles(model, warnings);
   model::check_stages(comm, model, {deck, arguments.deck, start, ground.size, to_place, stones});
+  draw(comm, arguments.drawing, model, to_place.shapes, arguments.deck);
   print(comm, arguments.deck + " is valid\n");
   return static_cast<int>(ExitCode::success);
 }

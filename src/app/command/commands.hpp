@@ -15,6 +15,7 @@ struct Arguments {
   std::string section;                 // describe
   std::vector<std::string> overrides;  // key=value
   std::string folder;                  // -o; empty: chosen
+  std::string drawing;                 // check: file to draw the model into
   ShapeArguments shapes;
   bool force = false;  // run: results of an earlier run may be removed
 };

@@ -116,7 +116,8 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
       "folder: continue from a checkpoint that is not the newest, and replace all later results");
   sub = command("check", "Validate a deck and estimate its cost", check);
   sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
-  with_overrides(sub);
+  with_overrides(sub)->add_option("--draw", arguments.drawing,
+                                  "Draw the model, seen from the side, into this file (.svg)");
   sub = command("describe", "Print the reference of all parameters, or of one section", describe);
   sub->add_option(
       "section", arguments.section,

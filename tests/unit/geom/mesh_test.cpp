@@ -177,7 +177,8 @@ TEST(Import, GivesTheReasonOfARefusal) {
   EXPECT_EQ(reason(obj(body)), "the mesh is flat; use a scan of the whole stone");
   body = letter();
   body.vertices[4] = body.vertices[10] = Vec3(2, 0.5, -1);  // a corner through the far side
-  EXPECT_EQ(reason(obj(body)), "the mesh intersects itself; repair it in a mesh editor, for example MeshLab");
+  EXPECT_EQ(reason(obj(body)),
+            "the mesh intersects itself; repair it in a mesh editor, for example MeshLab");
   body = letter();
   for (const Vec3& p : cube().vertices) body.vertices.push_back(p + Vec3(5, 0, 0));
   for (auto [a, b, c] : cube().triangles) body.triangles.push_back({a + 12, b + 12, c + 12});

@@ -231,7 +231,9 @@ TEST(Deck, FindsFilesBesideTheDeck) {
     return "no problem";
   };
   EXPECT_EQ(sentence("wrong.toml", {}),
-            (folder / "wrong.toml").string() + ":2: table \"b.csv\" does not exist");
+            (folder / "wrong.toml").string() +
+                ":2: table \"b.csv\" does not exist (names in a deck are relative to the folder of "
+                "the deck, on the command line to the working directory)");
   EXPECT_EQ(sentence("deck.toml", {"table=."}), "command line: table \".\" is not a file");
   EXPECT_EQ(sentence("none.toml", {}), (folder / "none.toml").string() + ": does not exist");
   world.barrier();

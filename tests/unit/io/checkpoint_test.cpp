@@ -135,15 +135,18 @@ TEST(Checkpoint, NamesTheDamagedDatasetAndAnotherFormat) {
     file.seekp(static_cast<std::streamoff>(at));
     file.put('\1');
   });
-  EXPECT_EQ(refusal(path), path + ": is damaged: dataset /dem/x does not match its checksum; an earlier checkpoint of the run may be intact");
+  EXPECT_EQ(refusal(path), path +
+                               ": is damaged: dataset /dem/x does not match its checksum; an "
+                               "earlier checkpoint of the run may be intact");
   write(scratch, "c.h5", 1);
   on_root([&] {
     std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
     file.seekp(200);
     file.put('\1');
   });
-  EXPECT_EQ(refusal(path),
-            path + ": is damaged: its structure does not match the checksum at its end; an earlier checkpoint of the run may be intact");
+  EXPECT_EQ(refusal(path), path +
+                               ": is damaged: its structure does not match the checksum at its "
+                               "end; an earlier checkpoint of the run may be intact");
   for (const bool newer : {true, false}) {
     const std::int64_t format = checkpoint_format + (newer ? 1 : -1);
     {

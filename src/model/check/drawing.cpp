@@ -1,0 +1,265 @@
+// The drawing of a deck's model before it runs, seen from the side, from its parameters alone.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/check/picture.hpp"
+#include "trackbed/model/checks.hpp"
+#include "trackbed/track/vehicle_layout.hpp"
+
+namespace trackbed::model {
+
+namespace {
+
+// m, of parts that have no size in the deck, or no height in a side view.
+constexpr double rail_height = 0.172, drawn_height = 0.2, drawn_width = 0.26, spring_height = 0.3;
+constexpr double wheel_radius = 0.46, body_floor = 1.0, body_top = 3.4, body_overhang = 1.5;
+constexpr Paint ballast{.fill = "#8c8c8c", .line = "#555", .opacity = 0.45};
+constexpr Paint block{.fill = "#a9c9a4", .line = "#4f7a4a"};
+constexpr Paint structure{.fill = "#9aa0a6", .line = "#4d4d4d"};
+constexpr Paint sleeper{.fill = "#5b4636", .line = "#5b4636"};
+constexpr Paint on_springs{.fill = "white", .line = "#5b4636", .width = 1.2};
+constexpr Paint thin{.line = "#333"}, rail{.line = "#222", .width = 4};
+constexpr Paint wheel{.fill = "#444", .line = "black"}, body{.fill = "#dfe7ef", .line = "#2f4b66"};
+constexpr Paint load{.line = "#c1121f", .width = 1.5};
+constexpr Paint stone{.fill = "#b5a48f", .line = "#5b4636", .width = 0.6, .opacity = 0.6};
+constexpr double least_of_structures = 10e9;  // Pa: concrete and stiffer
+constexpr const char* layer_fill[] = {"#e8dcc0", "#d9c7a0", "#c8b184", "#b79b6c"};
+
+std::string modulus(double pascal) {
+  return pascal >= 1e9 ? fmt::format("{:g} GPa", pascal / 1e9)
+                       : fmt::format("{:g} MPa", pascal / 1e6);
+}
+
+void draw_blocks(const fem::GroundParameters& ground, Picture& picture) {
+  for (const fem::Block& b : ground.blocks) {
+    if (!b.present) continue;
+    std::vector<Point2> corners;
+    Point2 middle{0, 0};
+    for (std::size_t k = 0; k + 1 < b.outline.size(); k += 2) {
+      corners.push_back({b.outline[k], b.outline[k + 1]});
+      middle.x += b.outline[k], middle.z += b.outline[k + 1];
+    }
+    const auto count = static_cast<double>(corners.size());
+    picture.polygon(std::move(corners), b.solid.young < least_of_structures ? block : structure);
+    picture.text({middle.x / count, middle.z / count},
+                 fmt::format("{}, {}", b.name, modulus(b.solid.young)));
+  }
+}
+
+void draw_ground(const Model& model, Picture& picture) {
+  const fem::GroundParameters& ground = model.ground;
+  if (!ground.present) return;
+  if (!ground.mesh.empty()) {
+    picture.note("The ground, from the mesh " + ground.mesh + ", is not drawn.");
+    return;
+  }
+  double z = 0;
+  for (std::size_t k = 0; k < ground.layers.size(); ++k) {
+    const fem::Layer& layer = ground.layers[k];
+    picture.rectangle({ground.x[0], z - layer.thickness}, {ground.x[1], z},
+                      {.fill = layer_fill[k % std::size(layer_fill)], .line = "#888"});
+    picture.text(
+        {ground.x[1], z - layer.thickness / 2},
+        fmt::format("{}, {} ", layer.name,
+                    layer.young_file.empty() ? modulus(layer.solid.young) : "modulus from a file"),
+        Anchor::end, 4);
+    z -= layer.thickness;
+  }
+  draw_blocks(ground, picture);
+  if (!ground.sections.empty())
+    picture.note("The ground is an embankment; the drawing shows its layers below the crest.");
+}
+
+// Layers of ballast as they are poured, walls at ends that are not periodic.
+void draw_bed(const Model& model, Picture& picture) {
+  const double from = model.bed.x[0], to = model.bed.x[1];
+  double z = 0;
+  const auto add = [&](const std::string& name, double height) {
+    picture.rectangle({from, z}, {to, z + height}, ballast);
+    picture.text({from, z + height / 4},
+                 fmt::format(" {}, {:g} m", name.empty() ? model.bed.material : name, height),
+                 Anchor::start, 4);
+    z += height;
+  };
+  for (const Stage& stage : model.stages)
+    if (stage.kind == StageKind::fill) add(stage.layer, model.bed.of_layer(stage.layer).height);
+  if (z == 0) add("", model.bed.height);  // poured in another run
+  if (model.periodic_in("x")) return;
+  for (const double x : {from, to})
+    picture.line({{x, 0}, {x, 1.2 * z}}, {.line = "#222", .width = 3});
+}
+
+void draw_spring(double x, double from, double to, Picture& picture) {
+  constexpr double aside[] = {0, 0, 0.06, -0.06, 0.06, -0.06, 0, 0};
+  std::vector<Point2> points;
+  for (std::size_t k = 0; k < std::size(aside); ++k)
+    points.push_back(
+        {x + aside[k], from + (to - from) * static_cast<double>(k) / (std::size(aside) - 1)});
+  picture.line(std::move(points), thin);
+  picture.line({{x - drawn_width / 2, from}, {x + drawn_width / 2, from}}, thin);
+}
+
+// The sleepers of a track: `count` of them from number `first` on rest on another part of the
+// model.
+struct TrackPlace {
+  double origin;         // m, x of the model at the start of the track
+  double underside;      // m, z of the lower faces of the sleepers
+  double width, height;  // m, of a sleeper
+  std::size_t first, count;
+};
+
+void draw_train(const Model& model, const TrackPlace& place, double top, Picture& picture) {
+  const auto train = train_of(model.track);
+  if (!train) return;
+  const double front = place.origin + model.track.train.start;
+  double first = 0, last = 0;
+  std::size_t axle = 0;
+  std::vector<double> axles;
+  for (const track::Train::Wheel& w : train->wheels())
+    if (w.side == 0) axles.push_back(front - w.behind);
+  // A long train would leave little room for the rest.
+  const double furthest = std::min(place.origin, front) - model.track.line.track.length / 2;
+  std::size_t drawn = 0;
+  for (const track::VehicleParameters& vehicle : train->vehicles()) {
+    const std::size_t own = track::axles_of(vehicle).size();
+    if (own == 0 || axle + own > axles.size() || axles[axle] < furthest) break;
+    ++drawn;
+    first = axles[axle], last = axles[axle + own - 1], axle += own;
+    if (own > 1)
+      picture.rectangle({last - body_overhang, top + body_floor},
+                        {first + body_overhang, top + body_top}, body);
+    picture.text({(first + last) / 2, top + (own > 1 ? body_top : 2 * wheel_radius)}, vehicle.name,
+                 Anchor::middle, own > 1 ? 18 : -6);
+  }
+  for (std::size_t k = 0; k < axle; ++k)
+    picture.circle({axles[k], top + wheel_radius}, wheel_radius, wheel);
+  if (const std::size_t more = train->vehicles().size() - drawn; more > 0)
+    picture.note(fmt::format("{} vehicle{} at the end of the train {} not drawn.", more,
+                             more > 1 ? "s" : "", more > 1 ? "are" : "is"));
+  picture.note(fmt::format("Train at its start, {:g} km/h towards the right.",
+                           3.6 * model.track.train.speed));
+}
+
+void draw_track(const Model& model, const TrackPlace& place, Picture& picture) {
+  const track::TrackParameters& track = model.track.line.track;
+  const double top = place.underside + place.height;
+  const bool sleepers = track.support == track::Support::sleepers;
+  for (std::size_t k = 0; sleepers && k < model.track.sleepers(); ++k) {
+    const double x = place.origin + static_cast<double>(k) * track.spacing;
+    const bool carried = k >= place.first && k < place.first + place.count;
+    picture.rectangle({x - place.width / 2, place.underside}, {x + place.width / 2, top},
+                      carried ? sleeper : on_springs);
+    if (!carried) draw_spring(x, place.underside - spring_height, place.underside, picture);
+  }
+  const double level = sleepers ? top + rail_height : rail_height;
+  picture.line({{place.origin, level}, {place.origin + track.length, level}}, rail);
+  if (model.track.train.vehicles.empty()) return;
+  draw_train(model, place, level, picture);
+}
+
+void draw_sleepers(const Model& model, Picture& picture) {
+  double underside = model.bed.height;
+  for (const Stage& stage : model.stages)
+    if (stage.kind == StageKind::sleepers) underside = stage.height;
+  const track::SleeperParameters& s = model.sleepers;
+  if (model.has_train()) {
+    const auto before = static_cast<std::size_t>(model.seat.before);
+    draw_track(model,
+               {s.first - static_cast<double>(before) * model.track.line.track.spacing, underside,
+                s.width, s.height, before, static_cast<std::size_t>(s.count)},
+               picture);
+    return;
+  }
+  for (std::int64_t k = 0; k < s.count; ++k) {
+    const double x = s.first + static_cast<double>(k) * s.spacing;
+    picture.rectangle({x - s.width / 2, underside}, {x + s.width / 2, underside + s.height},
+                      sleeper);
+  }
+}
+
+void draw_pressures(const Model& model, Picture& picture) {
+  constexpr int arrows = 6;
+  constexpr double length = 0.5, head = 0.12;  // m
+  for (const PressureParameters& p : model.pressures) {
+    for (int k = 0; k <= arrows; ++k) {
+      const double x = p.x[0] + (p.x[1] - p.x[0]) * k / arrows;
+      picture.line({{x, length}, {x, 0}, {x - head / 2, head}}, load);
+      picture.line({{x, 0}, {x + head / 2, head}}, load);
+    }
+    picture.text({(p.x[0] + p.x[1]) / 2, length},
+                 fmt::format("{}, {:g} kPa", p.name, p.pressure / 1e3), Anchor::middle, -6);
+  }
+}
+
+// The faces of a piece, seen from the side; of a ball its outline.
+void draw_piece(const geom::Piece& piece, Picture& picture) {
+  for (const geom::Face& face : piece.core.faces) {
+    std::vector<Point2> corners;
+    for (const int v : face.vertices) {
+      const Vec3& p = piece.core.vertices[static_cast<std::size_t>(v)];
+      corners.push_back({p.x(), p.z()});
+    }
+    picture.polygon(std::move(corners), stone);
+  }
+  if (piece.core.faces.empty())
+    for (const Vec3& p : piece.core.vertices) picture.circle({p.x(), p.z()}, piece.radius, stone);
+}
+
+void draw_placed(const Model& model, const std::vector<bed::PlacedShape>& shapes,
+                 Picture& picture) {
+  const PlacedParameters& placed = model.placed;
+  const bed::PlacedSurfaces surfaces(placed.plates, placed.boxes, model.physics, model.dimension,
+                                     model.thickness);
+  for (const Surface& surface : surfaces.surfaces())
+    for (const auto& triangle : surface.triangles) {
+      std::vector<Point2> corners;
+      for (const std::int32_t node : triangle) {
+        const Vec3& p = surface.position[static_cast<std::size_t>(node)];
+        corners.push_back({p.x(), p.z()});
+      }
+      corners.push_back(corners.front());
+      picture.line(std::move(corners), {.line = "#222", .width = 2});
+    }
+  for (std::size_t i = 0; i < placed.stones.size() && i < shapes.size(); ++i) {
+    for (const geom::Piece& piece : bed::pieces_in_space(shapes[i], placed.stones[i]))
+      draw_piece(piece, picture);
+    picture.text({placed.stones[i].position[0], placed.stones[i].position[2]},
+                 placed.stones[i].name, Anchor::middle, 4);
+  }
+}
+
+}  // namespace
+
+std::string drawing_of(const Model& model, const std::vector<bed::PlacedShape>& shapes,
+                       const std::string& name) {
+  Picture picture(fmt::format("{} ({})", model.title.empty() ? name : model.title,
+                              model.dimension == Dimension::plane
+                                  ? fmt::format("plane model, {:g} m thick", model.thickness)
+                                  : std::string("model in space, seen from the side")));
+  if (model.is_placed()) {
+    draw_placed(model, shapes, picture);
+    return picture.svg();
+  }
+  if (model.kind != ModelKind::track) draw_ground(model, picture);
+  if (model.has_bed()) {
+    draw_bed(model, picture);
+    if (model.uses_sleepers()) draw_sleepers(model, picture);
+  }
+  if (!model.has_stages()) {
+    const FootingParameters& f = model.footing;
+    const auto before = static_cast<std::size_t>(f.before);
+    const bool ground = model.kind == ModelKind::track_on_ground;
+    const double origin =
+        ground ? f.first - static_cast<double>(f.before) * model.track.line.track.spacing : 0;
+    draw_track(model,
+               {origin, spring_height, drawn_width, drawn_height, before,
+                ground ? static_cast<std::size_t>(f.count) : 0},
+               picture);
+    if (ground) picture.note("Springs of the ballast between sleepers and ground are not drawn.");
+  }
+  draw_pressures(model, picture);
+  return picture.svg();
+}
+
+}  // namespace trackbed::model

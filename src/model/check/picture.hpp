@@ -1,0 +1,60 @@
+// A picture in the plane of x (along the track) and z, m, as SVG: parts are added in the units of
+// the model, and the scale follows from all of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace trackbed::model {
+
+struct Point2 {
+  double x, z;  // m
+};
+
+// How a part is drawn; colours as in CSS.
+struct Paint {
+  const char* fill = "none";
+  const char* line = "none";
+  double width = 1;    // pixels, of the line
+  double opacity = 1;  // of the fill
+};
+
+enum class Anchor { start, middle, end };
+
+class Picture {
+ public:
+  explicit Picture(std::string title) : title_(std::move(title)) {}
+
+  void polygon(std::vector<Point2> corners, const Paint& paint);
+  void rectangle(Point2 low, Point2 high, const Paint& paint);
+  void line(std::vector<Point2> points, const Paint& paint);
+  void circle(Point2 centre, double radius, const Paint& paint);  // radius: m
+  // `below`: pixels by which the text is moved down.
+  void text(Point2 at, const std::string& words, Anchor anchor = Anchor::middle, double below = 0);
+  // One sentence below the axes.
+  void note(const std::string& sentence) { notes_.push_back(sentence); }
+
+  // The file's contents, with axes in metres.
+  std::string svg() const;
+
+ private:
+  enum class Kind { polygon, line, circle, text };
+  struct Part {
+    Kind kind;
+    std::vector<Point2> points;
+    double size;  // m, radius; of texts: pixels downwards
+    Paint paint;
+    std::string words = {};
+    Anchor anchor = Anchor::middle;
+  };
+  struct View;
+  View view() const;
+  static std::string drawn(const Part& part, const View& view);
+  static std::string axes(const View& view);
+
+  std::string title_;
+  std::vector<Part> parts_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace trackbed::model
