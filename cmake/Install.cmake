@@ -7,7 +7,8 @@ install(DIRECTORY inputs DESTINATION ${trackbed_data})
 install(DIRECTORY postproc DESTINATION ${trackbed_data} FILES_MATCHING PATTERN "*.py"
         PATTERN "*.toml" PATTERN __pycache__ EXCLUDE)
 install(PROGRAMS cmake/trackbed_post.sh RENAME trackbed_post DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(FILES docs/input.schema.json DESTINATION ${trackbed_data})
+# Where the first line of each deck names it.
+install(FILES docs/input.schema.json DESTINATION ${trackbed_data}/docs)
 install(FILES README.md CHANGELOG.md CITATION.cff LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN decisions EXCLUDE)
 install(FILES cmake/completion.bash RENAME trackbed

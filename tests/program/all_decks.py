@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""`check` accepts and draws every deck under inputs, and the two decks of transition zones, which are too
-long for tests, run through all their stages in a short form: the bed is loose and the train passes
-at 900 m/s.
+"""`check` accepts and draws every deck under inputs, and the two decks of transition zones, which
+are too long for tests, run through all their stages in a short form: the bed is loose and the train
+passes at 900 m/s.
 
     all_decks.py PROGRAM INPUTS FOLDER
 """

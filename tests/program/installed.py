@@ -102,7 +102,7 @@ def main():
     if len(sys.argv) > 4:
         check_pip(data, folder, place / "results.h5")
     for name in ("share/doc/trackbed/README.md", "share/doc/trackbed/docs/running.md",
-                 "share/trackbed/input.schema.json"):
+                 "share/trackbed/docs/input.schema.json"):
         if not (usr / name).is_file():
             raise SystemExit(f"{name} is not installed")
     check_completion(usr)

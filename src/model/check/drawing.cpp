@@ -118,7 +118,7 @@ void draw_train(const Model& model, const TrackPlace& place, double top, Picture
   std::vector<double> axles;
   for (const track::Train::Wheel& w : train->wheels())
     if (w.side == 0) axles.push_back(front - w.behind);
-  // A long train would leave little room for the rest.
+  // Beside a long train the rest would be small.
   const double furthest = std::min(place.origin, front) - model.track.line.track.length / 2;
   std::size_t drawn = 0;
   for (const track::VehicleParameters& vehicle : train->vehicles()) {

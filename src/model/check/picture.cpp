@@ -45,7 +45,8 @@ std::string styled(const Paint& paint) {
 
 std::string label(double x, double y, const char* anchor, const std::string& words) {
   return fmt::format(
-      R"(<text x="{:.1f}" y="{:.1f}" text-anchor="{}" paint-order="stroke" stroke="white" stroke-width="3">{}</text>)"
+      R"(<text x="{:.1f}" y="{:.1f}" text-anchor="{}" paint-order="stroke" stroke="white")"
+      R"( stroke-width="3">{}</text>)"
       "\n",
       x, y, anchor, escaped(words));
 }
