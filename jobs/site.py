@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """Builds the web site of the documents and of all decks, with a search, and checks every link.
 
-    site.py FOLDER
+    site.py FOLDER [PROGRAM]
 
+With PROGRAM (trackbed), the site has a drawing of the model of each deck that `check` accepts; a
+deck that needs results of another one, which are not there, has none.
 Writes FOLDER/documents (what mkdocs reads) and FOLDER/site, whose index.html opens without a
 server; only the search needs one (`python3 -m http.server -d FOLDER/site`). Needs mkdocs (Debian:
 mkdocs, mkdocs-material). Ends with 1 and a list if a link leads nowhere.
@@ -110,19 +112,36 @@ def write_documents(documents):
         encoding="utf-8")
 
 
-def write_decks(documents):
-    """A document for each deck and a table of all."""
+def drawing_of(deck, program, document):
+    """Name of the drawing written beside the document of a deck, or nothing."""
+    if not program:
+        return ""
+    file = document.with_suffix(".svg")
+    subprocess.run([program, "check", deck, "--draw", file], check=False, capture_output=True)
+    return file.name if file.is_file() else ""
+
+
+def write_decks(documents, program):
+    """A document for each deck, a table of all, and their drawings."""
     rows = ["# Decks\n", "| deck | purpose | ranks | run time |", "|---|---|---|---|"]
+    pictures = []
     for deck in sorted((ROOT / "inputs").rglob("*.toml")):
         name, head = deck.relative_to(ROOT).as_posix(), head_of(deck)
         document = documents / document_of_deck(deck)
         document.parent.mkdir(parents=True, exist_ok=True)
         text = deck.read_text(encoding="utf-8")
-        document.write_text(f"# {name}\n\n{head.get('Purpose', '')}\n\n```toml\n{text}```\n",
-                        encoding="utf-8")
+        drawing = drawing_of(deck, program, document)
+        shown = f"![Model of {name}]({drawing})\n\n" if drawing else ""
+        document.write_text(f"# {name}\n\n{head.get('Purpose', '')}\n\n{shown}"
+                            f"```toml\n{text}```\n", encoding="utf-8")
         cells = (head.get(key, "").replace("|", "\\|") for key in ("Purpose", "Ranks", "Run time"))
         own = document_of_deck(deck).relative_to("decks").as_posix()
         rows.append(f"| [{name}]({own}) | " + " | ".join(cells) + " |")
+        if drawing:
+            beside = pathlib.PurePosixPath(own).with_name(drawing)
+            pictures.append(f"[{name}]({own})\n\n[![Model of {name}]({beside})]({own})\n")
+    if pictures:
+        rows += ["\n## Drawings\n", *pictures]
     (documents / "decks/index.md").write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
@@ -174,13 +193,13 @@ def dead_links(site):
 
 
 def main():
-    if len(sys.argv) != 2:
-        sys.exit("usage: site.py FOLDER")
+    if len(sys.argv) not in (2, 3):
+        sys.exit("usage: site.py FOLDER [PROGRAM]")
     folder = pathlib.Path(sys.argv[1]).resolve()
     documents = folder / "documents"
     shutil.rmtree(documents, ignore_errors=True)
     write_documents(documents)
-    write_decks(documents)
+    write_decks(documents, pathlib.Path(sys.argv[2]).resolve() if sys.argv[2:] else None)
     # JSON is YAML.
     (folder / "mkdocs.yml").write_text(json.dumps({**CONFIG, "nav": navigation(documents)}),
                                        encoding="utf-8")

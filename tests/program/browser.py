@@ -61,8 +61,9 @@ def found_by_search(browser, word):
     raise SystemExit(f"the search for {word} does not end")
 
 
-def check_site(browser, source, folder):
-    subprocess.run([sys.executable, source / "jobs/site.py", folder / "docs"], check=True)
+def check_site(browser, program, source, folder):
+    subprocess.run([sys.executable, source / "jobs/site.py", folder / "docs", program.path],
+                   check=True)
     handler = functools.partial(Quiet, directory=folder / "docs/site")
     server = http.server.ThreadingHTTPServer(("localhost", 0), handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
@@ -72,6 +73,8 @@ def check_site(browser, source, folder):
         found = found_by_search(browser, "restitution")
         if "inputs/verify/impact.toml" not in found:
             raise SystemExit(f"the search for restitution finds {found}")
+        browser.get(f"http://localhost:{server.server_port}/decks/index.html")
+        check_pictures(browser, 40)  # all decks but those that need results of another one
         check_log(browser)
     finally:
         server.shutdown()
@@ -98,7 +101,7 @@ def main():
     folder.mkdir(parents=True)
     browser = opened()
     try:
-        check_site(browser, source, folder)
+        check_site(browser, program, source, folder)
         check_report(browser, program, source, folder)
     finally:
         browser.quit()
