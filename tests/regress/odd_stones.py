@@ -248,8 +248,8 @@ def check_steps(bench):
 
 def check_warnings(bench):
     deck, rolls = bench.deck("balls", BALLS), "contact.0.rolling_friction=0.1"
-    odd = (("contact.0.rolling_stiffness=1e3", "1e-6", "rolling_stiffness = 1000 is far from"),
-           ("dem.safety=0.9", "1e-4", "dem.safety = 0.9 is far from"),
+    odd = (("contact.0.rolling_stiffness=1e3", "1e-6", "rolling_stiffness = 1000 is outside"),
+           ("dem.safety=0.9", "1e-4", "dem.safety = 0.9 is outside"),
            ("dem.skin=0.5", "1e-6", "makes neighbour lists that are very long"))
     ran = bench.program.done(1, "check", deck, rolls, *(change for change, _, _ in odd))
     for change, _, words in odd:
