@@ -24,7 +24,7 @@ bool Closest::replaces(const Closest& old, double equal) const {
 // face only. Computed on plain numbers: Eigen's cross products go through memory in halves, and the
 // resulting processor stalls take four times as long as all the rest.
 Closest Mesh::closest(const Vec3& p, int triangle, const Surface& surface, double s,
-                      const Vec3& origin) const {
+                      const Vec3& origin, double reach) const {
   const auto& nodes = triangles_[static_cast<std::size_t>(triangle)];
   const auto node = [&](std::size_t k) { return triple(node_at(surface, nodes[k], s) - origin); };
   const Triple<double> a = node(0), b = node(1), c = node(2);
@@ -33,6 +33,13 @@ Closest Mesh::closest(const Vec3& p, int triangle, const Surface& surface, doubl
   MeshContact& hit = result.contact;
   hit.triangle = triangle, hit.patch = patch(triangle);
   const double square = dot(area, area);
+  // Most triangles of a list are out of reach: they need no root and no division. The margin is
+  // above all rounding, so that a contact is never rejected.
+  constexpr double margin = 1 + 1e-9;
+  if (const double above = dot(area, ap); above * above > margin * reach * reach * square) {
+    hit.distance = std::numeric_limits<double>::infinity();
+    return result;
+  }
   const double length = square > 0 ? root(square) : 1;
   // Divided, so that the normal of a level triangle is exactly vertical.
   const Triple<double> out{area.x / length, area.y / length, area.z / length};
@@ -97,7 +104,7 @@ void Mesh::touch(const Ball& ball, const std::vector<int>& candidates, const Sur
   near.clear();
   const double equal = 1e-12 * radius * radius;  // distances to the same edge differ by rounding
   for (const int t : candidates) {
-    const Closest c = closest(centre, t, surface, s, origin);
+    const Closest c = closest(centre, t, surface, s, origin, radius);
     // Up to a radius behind a face as well: the ball is repelled, with an overlap of up to twice
     // its radius.
     if (std::abs(c.contact.distance) >= radius) continue;

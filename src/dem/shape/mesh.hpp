@@ -11,6 +11,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -77,9 +78,10 @@ class Mesh {
   void touch(const Ball& ball, const std::vector<int>& candidates, const Surface& surface, double s,
              std::vector<MeshContact>& found) const;
 
-  // Closest point of a triangle to p; p and the point are relative to `origin`.
-  Closest closest(const Vec3& p, int triangle, const Surface& surface, double s,
-                  const Vec3& origin) const;
+  // Closest point of a triangle to p; p and the point are relative to `origin`. If the triangle's
+  // plane is farther away than `reach` (m), only the distance is set, to infinity.
+  Closest closest(const Vec3& p, int triangle, const Surface& surface, double s, const Vec3& origin,
+                  double reach = std::numeric_limits<double>::infinity()) const;
   // Determines sign and normal of the closest point of a patch. Returns false where the surface
   // ends: there the distance has no sign.
   bool determine_side(Closest& c, const Vec3& p, const Surface& surface, double s,
