@@ -10,6 +10,7 @@ from trackbed_post import (bed_on_ground, laboratory, read, track_figures, train
 TOGETHER = {"transition": transition.draw_into, "bed": bed_on_ground.draw_into,
             "laboratory": laboratory.draw_into}                             # runs side by side
 ALONE = {"train": train_figures.draw_into, "track": track_figures.draw_into}  # one run only
+BESIDE = {"track": track_figures.compare_into}  # several runs of a kind in ALONE
 KINDS = (*TOGETHER, *ALONE)
 PAIRS = {"transition", "bed"}  # of at most two runs
 LABORATORY = {"shear", "triaxial", "lift_walls"}  # kinds of stages, besides several to compact
@@ -47,8 +48,10 @@ class Part:
 
 
 def parts_of(results, kinds):
-    """The Parts of runs: kinds that cannot be compared once for each run."""
+    """The Parts of runs: kinds that cannot be drawn in one picture once for each run."""
     for kind in kinds:
+        if kind in BESIDE and len(results) > 1:
+            yield Part(kind, list(results), functools.partial(BESIDE[kind], list(results)))
         groups = list(enumerate([path] for path in results)) if kind in ALONE else \
             [(0, list(results))]
         draw = ALONE.get(kind) or TOGETHER[kind]

@@ -2,6 +2,7 @@
 those of every step if the run has them, otherwise those of the rows of its histories. Wheel forces
 are those between the run-ins, where the track has its given properties.
 
+Of several runs also a table and a picture of their envelopes beside each other (compare).
 Pictures: track (wheel forces, rail and sleepers, seat loads, sleeper acceleration, as far as the
 run has them), envelope (extremes along the track), and for a run whose only force is one impact
 receptance, also as CSV, of each point of the rail. The figures are explained in docs/track.md.
@@ -301,19 +302,90 @@ def deck_of(run):
     return read.results(run).deck
 
 
-def draw_into(results, folder):
-    """Pictures and table of one run; `results`: its folder, in a list."""
-    run, deck = loaded(results[0]), deck_of(results[0])
-    length = deck["track"]["length"]
+def opened(folder):
+    """Datasets of a run, its deck, and the numbers of its table."""
+    run, deck = loaded(folder), deck_of(folder)
     if deck.get("passage", {}).get("loaded_by") == "seats":
         run = without_rail(run)
+    return run, deck, numbers(run, deck["track"]["length"], extremes_of(folder), run_in_of(deck))
+
+
+def names_of(folders):
+    """Different names for result folders: the last one, or if they are equal the last two."""
+    names = [folder.resolve().name for folder in folders]
+    if len(set(names)) < len(names):
+        names = ["/".join(folder.resolve().parts[-2:]) for folder in folders]
+    return names
+
+
+def table_beside(names, columns):
+    """One line per number that any run has, one column per run; of two runs also the change."""
+    rows = list(dict.fromkeys((name, one[name][1]) for one in columns for name in one))
+    width = max(12, *(len(name) + 2 for name in names))
+    first = max((len(name) for name, _ in rows), default=0)
+    lines = [f"{'':{first}} {'unit':6}" + "".join(f"{name:>{width}}" for name in names)
+             + (f"{'change, %':>11}" if len(names) == 2 else "")]
+    for name, unit in rows:
+        values = [one.get(name, (np.nan, unit))[0] for one in columns]
+        line = f"{name:{first}} {unit:6}" + "".join(
+            f"{value:{width}.4g}" if np.isfinite(value) else f"{'-':>{width}}" for value in values)
+        if len(values) == 2 and np.isfinite(values).all() and values[0]:
+            line += f"{100 * (values[1] / values[0] - 1):11.3g}"
+        lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
+def envelopes(run):
+    """(label, x, values, axis) of the envelopes that runs are compared by: the lowest rail and the
+    largest seat load, of two rails those of the left one."""
+    if "envelope/x" not in run:
+        return
+    twice = two_rails(run)
+    x = run["envelope/x"].values.ravel()[::1 + twice]
+    for name, factor, axis in (("envelope/rail/displacement_min", 1e3, "lowest rail, mm"),
+                               ("envelope/sleeper/seat_force_max", 1e-3,
+                                "largest seat load, kN")):
+        if name in run:
+            side = " (left rail)" if twice else ""
+            yield x, factor * run[name].values.ravel()[::1 + twice], axis + side
+
+
+def draw_beside(names, runs):
+    """Envelopes of several runs in one picture; None if they have none in common."""
+    found = [{axis: (x, values) for x, values, axis in envelopes(run)} for run in runs]
+    axes = [axis for axis in found[0] if all(axis in one for one in found)]
+    if not axes:
+        return None
+    figure, panels = plt.subplots(len(axes), 1, figsize=(8, 1 + 2.5 * len(axes)), sharex=True,
+                                  squeeze=False, layout="constrained")
+    for axis, panel in zip(axes, panels[:, 0]):
+        for number, (name, one) in enumerate(zip(names, found)):
+            panel.plot(*one[axis], ("-", "--", "-.", ":")[number % 4], lw=1, label=name)
+        panel.set(ylabel=axis)
+        panel.grid(alpha=0.3)
+    panels[0, 0].legend(fontsize=8)
+    panels[-1, 0].set(xlabel="x, m")
+    return figure
+
+
+def compare_into(results, folder):
+    """Table and picture of several runs beside each other."""
+    names, runs = names_of(results), [opened(one) for one in results]
+    if picture := draw_beside(names, [run for run, _, _ in runs]):
+        folder.picture("compare", picture)
+    folder.table("compare.txt", table_beside(names, [found for _, _, found in runs]))
+
+
+def draw_into(results, folder):
+    """Pictures and table of one run; `results`: its folder, in a list."""
+    run, deck, found = opened(results[0])
+    length = deck["track"]["length"]
     if histories := draw(run, length):
         folder.picture("track", histories)
     if along := draw_envelope(run):
         folder.picture("envelope", along)
-    if found := receptances(run):
-        folder.picture("receptance", draw_receptances(*found))
-        folder.file("receptance.csv", table_of(*found))
+    if of_points := receptances(run):
+        folder.picture("receptance", draw_receptances(*of_points))
+        folder.file("receptance.csv", table_of(*of_points))
     folder.table("track.txt", "".join(
-        f"{name:60} {value:10.4g} {unit}\n" for name, (value, unit) in numbers(
-            run, length, extremes_of(results[0]), run_in_of(deck)).items()))
+        f"{name:60} {value:10.4g} {unit}\n" for name, (value, unit) in found.items()))

@@ -35,8 +35,9 @@ class Page(html.parser.HTMLParser):
             self.text.setdefault(tag, []).append(data)
 
 
-def made(folder, ended=True, deck='title = "5 < 6"\nmodel = "track"\n[track]\nlength = 20\n'):
-    """A track under seat loads, as track_figures draws it."""
+def made(folder, ended=True, deck='title = "5 < 6"\nmodel = "track"\n[track]\nlength = 20\n',
+         scale=1.0):
+    """A track under seat loads, as track_figures draws it; `scale`: of its envelopes."""
     folder.mkdir()
     time = np.arange(0, 0.2, 1e-3)
     ones = np.ones((len(time), 1))
@@ -47,7 +48,7 @@ def made(folder, ended=True, deck='title = "5 < 6"\nmodel = "track"\n[track]\nle
            "history/sleeper/acceleration": (0 * ones, "m/s2"),
            "history/sleeper/seat_force": (5e3 * ones, "N"),
            "envelope/x": (np.array([4.2, 4.8]), "m"),
-           **{f"envelope/{name}": (np.array([-1e-3, 2e-3]), "m") for name in (
+           **{f"envelope/{name}": (scale * np.array([-1e-3, 2e-3]), "m") for name in (
                "rail/displacement_min", "rail/displacement_max", "sleeper/displacement_min",
                "sleeper/displacement_max", "sleeper/seat_force_max")}},
           deck=deck, version="0.1.0", build="commit abc", ranks=1)
@@ -142,6 +143,20 @@ def test_runs_that_share_no_picture_have_folders_of_their_own(tmp_path):
     assert ran.returncode == 0, ran.stderr
     for name in ("1_a", "2_b"):
         assert (tmp_path / "c" / name / "track.png").is_file()
+
+
+def test_tracks_share_a_table_and_a_picture(tmp_path):
+    """Numbers in columns, with the change of the second run; a third run has no change."""
+    runs = [made(tmp_path / "soft"), made(tmp_path / "stiff", scale=0.5), made(tmp_path / "c")]
+    ran = conftest.call("compare", *runs[:2], "-o", tmp_path / "two")
+    assert ran.returncode == 0 and (tmp_path / "two/compare.png").is_file(), ran.stderr
+    lines = (tmp_path / "two/compare.txt").read_text(encoding="utf-8").splitlines()
+    assert lines[0].split() == ["unit", "soft", "stiff", "change,", "%"]
+    lowered = next(line for line in lines if line.startswith("sleeper at 4.2 m, down, largest"))
+    assert lowered.split()[-4:] == ["mm", "1", "0.5", "-50"]
+    ran = conftest.call("compare", *runs, "-o", tmp_path / "three")
+    heading = (tmp_path / "three/compare.txt").read_text(encoding="utf-8").splitlines()[0]
+    assert ran.returncode == 0 and heading.split() == ["unit", "soft", "stiff", "c"]
 
 
 def test_unlike_runs_and_other_files_are_refused(tmp_path):
