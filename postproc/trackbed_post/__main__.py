@@ -12,7 +12,7 @@ matplotlib.use("Agg")
 from trackbed_post import (curves, kinds, read, report, still, sweep, transition,  # noqa: E402
                            vibration, write)
 
-FORMATS = ("png", "pdf", "svg")
+FORMATS = ("png", "pdf", "svg", "csv")  # csv: the lines of each figure
 
 
 def formats(text):
@@ -124,7 +124,8 @@ def parser():
     def draws(one):
         writes(one, "DIR")
         one.add_argument("--format", type=formats, default=("png",),
-                         help=f"one or more of {', '.join(FORMATS)}, with commas between them")
+                         help=f"one or more of {', '.join(FORMATS)}, with commas between them; "
+                         "csv: the lines of each figure")
 
     for name in ("figures", "compare"):
         one = command(name, figures)

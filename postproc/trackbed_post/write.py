@@ -1,5 +1,6 @@
 """Writes files completely or not at all. An error is a read.Unreadable with code 2 if another path
 helps, with code 4 if the disk cannot take the file."""
+import csv
 import datetime
 import errno
 import io
@@ -61,6 +62,34 @@ def state_origin(figure, origin):
                 color="0.4")
 
 
+def axis_label(panel, which):
+    """Label of the axis, or of a panel that shares it; in one line."""
+    shared = panel.get_shared_x_axes() if which == "x" else panel.get_shared_y_axes()
+    panels = [panel, *shared.get_siblings(panel)]
+    labels = [getattr(one, f"get_{which}label")() for one in panels]
+    return " ".join(next((label for label in labels if label), "").split())
+
+
+def curves_of(figure):
+    """All lines of a figure as CSV, a row for each point: title of the panel, labels of its axes,
+    name of the line, x and y as they are drawn. Empty for a picture without lines."""
+    rows = []
+    for number, panel in enumerate(figure.axes):
+        head = (" ".join(panel.get_title().split()) or f"panel {number + 1}",
+                axis_label(panel, "x"), axis_label(panel, "y"))
+        for count, line in enumerate(panel.lines):
+            label = line.get_label()
+            name = f"line {count + 1}" if label.startswith("_") else " ".join(label.split())
+            rows += [(*head, name, f"{x:.9g}", f"{y:.9g}")
+                     for x, y in zip(line.get_xdata(orig=False), line.get_ydata(orig=False))]
+    if not rows:
+        return ""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(
+        [("panel", "x axis", "y axis", "line", "x", "y"), *rows])
+    return text.getvalue()
+
+
 class Folder:
     """Where a command writes, and what it wrote: `pictures` (paths of the first format), `tables`
     (texts for a reader), `remarks` (why a figure is missing). `origin`, a line at the lower edge of
@@ -79,15 +108,18 @@ class Folder:
         self.tables.append(text)
 
     def picture(self, name, figure, origin=""):
-        """Writes NAME.png, or the formats asked for, and closes the figure. `origin`: of a picture
-        of some of the runs."""
+        """Writes NAME.png, or the formats asked for, and closes the figure; csv: its lines as
+        NAME_lines.csv. `origin`: of a picture of some of the runs."""
         import matplotlib.pyplot as plt  # here: not needed by those who only read results
         if figure.get_constrained_layout():
             figure.get_layout_engine().set(rect=(0, ORIGIN, 1, 1 - ORIGIN))
         state_origin(figure, origin or self.origin)
-        for form in self.formats:
+        drawn = [form for form in self.formats if form != "csv"]
+        if len(drawn) < len(self.formats) and (lines := curves_of(figure)):
+            self.file(f"{name}_lines.csv", lines)
+        for form in drawn:
             content = io.BytesIO()
             figure.savefig(content, dpi=DPI, format=form)
             self.file(f"{name}.{form}", content.getvalue())
         plt.close(figure)
-        self.pictures.append(self.path / f"{name}.{self.formats[0]}")
+        self.pictures.append(self.path / (f"{name}.{drawn[0]}" if drawn else f"{name}_lines.csv"))

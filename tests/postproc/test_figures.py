@@ -1,4 +1,5 @@
 """Figures of results made of known functions: what is drawn, and its titles and labels."""
+import csv
 import dataclasses
 import datetime
 
@@ -145,13 +146,21 @@ def test_a_run_without_ground_draws_the_other_figures(tmp_path):
 
 def test_command_line(tmp_path):
     made.write(tmp_path / "one")
-    ran = conftest.call("figures", tmp_path / "one", "-o", tmp_path / "out", "--format", "png,pdf")
+    ran = conftest.call("figures", tmp_path / "one", "-o", tmp_path / "out",
+                        "--format", "png,pdf,csv")
     assert ran.returncode == 0, ran.stderr
     assert "stress.png" in ran.stdout and "stress jump" in ran.stdout
     assert (tmp_path / "out/stress.pdf").read_bytes().startswith(b"%PDF")
+    with (tmp_path / "out/energy_lines.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    kinetic = [float(row["y"]) for row in rows
+               if row["y axis"] == "kinetic (J)" and row["line"] == "one"]
+    drawn = read.results(tmp_path / "one").energy["kinetic"].values
+    assert kinetic == pytest.approx(drawn, rel=1e-8)
+    assert {row["x axis"] for row in rows} == {"simulated time (s)"}
     for words, expected in (((tmp_path, "-o", tmp_path), "was the run completed?"),
                             ((tmp_path / "one", "-o", tmp_path, "--format", "bmp"),
-                             "the formats are png, pdf, svg")):
+                             "the formats are png, pdf, svg, csv")):
         failed = conftest.call("figures", *words)
         assert failed.returncode == 2 and expected in failed.stderr, failed.stderr
 
