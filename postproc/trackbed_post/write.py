@@ -70,7 +70,7 @@ def axis_label(panel, which):
     return " ".join(next((label for label in labels if label), "").split())
 
 
-def curves_of(figure):
+def lines_of(figure):
     """All lines of a figure as CSV, a row for each point: title of the panel, labels of its axes,
     name of the line, x and y as they are drawn. Empty for a picture without lines."""
     rows = []
@@ -115,7 +115,7 @@ class Folder:
             figure.get_layout_engine().set(rect=(0, ORIGIN, 1, 1 - ORIGIN))
         state_origin(figure, origin or self.origin)
         drawn = [form for form in self.formats if form != "csv"]
-        if len(drawn) < len(self.formats) and (lines := curves_of(figure)):
+        if len(drawn) < len(self.formats) and (lines := lines_of(figure)):
             self.file(f"{name}_lines.csv", lines)
         for form in drawn:
             content = io.BytesIO()

@@ -14,6 +14,7 @@
 #include <numeric>
 
 #include "observe/impl.hpp"
+#include "trackbed/track/rail.hpp"
 
 namespace trackbed::observe {
 
@@ -129,9 +130,6 @@ io::Grid empty_like(const io::Grid& grid) {
   return empty;
 }
 
-// m, of the rail above the sleeper that it stands on, which a picture shows (60E1).
-constexpr double rail_height = 0.172;
-
 // Rails as lines above the sleepers, wheels as disks on them.
 class TrainShape {
  public:
@@ -146,7 +144,7 @@ class TrainShape {
       }
     for (std::size_t side = 0; side < train.rails; ++side)
       for (std::size_t i = 0; i < sleepers.count(); ++i)
-        rails_[side].emplace_back(sleepers.x(i), aside(side), top[i] + rail_height);
+        rails_[side].emplace_back(sleepers.x(i), aside(side), top[i] + track::drawn_rail_height);
     for (std::size_t side = 0; side < train.rails; ++side) add_rail(rails_[side]);
     for (std::size_t i = 0; i < train.running.train().wheels().size(); ++i)
       add_wheel(i, i % train.rails);

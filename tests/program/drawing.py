@@ -16,7 +16,7 @@ from program import Program, expect  # noqa: E402
 
 SVG = "{http://www.w3.org/2000/svg}"
 SLEEPER, LAYER = "#5b4636", "#e8dcc0"  # fills of a sleeper on stones and of the uppermost layer
-PIXEL = 0.02                           # rounding of a coordinate
+PIXEL = 0.02                           # two coordinates rounded to 0.01, and the scale
 
 
 class Drawing:
@@ -68,8 +68,8 @@ def check_transition(program, deck, folder):
 
 
 def check_train(program, deck, folder):
-    """Four wheels of 0.46 m on a rail that begins 20 sleepers before the bed; four dark sleepers
-    on stones, all others white."""
+    """Four wheels of 0.46 m at the distances of their axles, four dark sleepers on stones. The
+    rounding of the radius to 0.01 of 16 pixels is 5 mm in 16 m."""
     drawing = Drawing(program, 1, deck, folder / "train.svg")
     wheels = sorted(drawing.circles())
     metre = wheels[0][1] / 0.46

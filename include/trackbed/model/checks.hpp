@@ -62,9 +62,9 @@ struct StagesToCheck {
 // Builds the model as far as possible without moving it, and prints its properties, an estimate of
 // the run, and the memory. Collective.
 void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck& given);
-// The model of the deck from the side, as it is before the first stage, as the contents of an SVG
-// file. `shapes`: of placed stones, in the order of the deck; `name`: of the deck. Throws
-// InputError if a vehicle is unknown. Local.
+// The model of the deck, seen from the side, as the contents of an SVG file: ground and walls,
+// ballast as it is poured, sleepers where they are placed, the train at its start, placed stones.
+// `shapes`: of placed stones, in the order of the deck; `name`: of the deck. Local.
 std::string drawing_of(const Model& model, const std::vector<bed::PlacedShape>& shapes,
                        const std::string& name);
 // Prints the properties of the model and an estimate of the wall time from some steps. Collective.

@@ -19,6 +19,10 @@ const std::vector<RailSection>& rail_sections();
 // Throws InputError with the known names.
 const RailSection& rail_section(std::string_view name);
 
+// m, from foot to head of a 60E1 (EN 13674-1), by which pictures show the wheels above the
+// sleepers; no result depends on it.
+inline constexpr double drawn_rail_height = 0.172;
+
 enum class BeamTheory { timoshenko, euler };
 
 // Values of 0 are taken from the section.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <vector>
 
@@ -37,13 +38,14 @@ class Cells {
     // Cells above one another are neighbours in memory and are examined as one run.
     std::uint32_t begin = 0, end = 0;
     Cell image{};
+    constexpr std::uint32_t batch = 32;
     const auto examine = [&] {
       const Vec3 from = ball.vec3() - grid_.wrapped(Vec3::Zero(), image);
       while (begin < end) {
         // Without a branch for each of the many that are not near.
-        std::array<std::uint32_t, 32> found;
+        std::array<std::uint32_t, batch> found;
         std::size_t count = 0;
-        for (const std::uint32_t stop = std::min(end, begin + 32); begin < stop; ++begin) {
+        for (const std::uint32_t stop = std::min(end, begin + batch); begin < stop; ++begin) {
           const Vec4& x = table.members[begin].x;
           const double dx = x.x - from.x(), dy = x.y - from.y(), dz = x.z - from.z();
           const double reach = with_skin + x.w;

@@ -5,6 +5,7 @@
 
 #include "model/check/picture.hpp"
 #include "trackbed/model/checks.hpp"
+#include "trackbed/track/rail.hpp"
 #include "trackbed/track/vehicle_layout.hpp"
 
 namespace trackbed::model {
@@ -12,8 +13,8 @@ namespace trackbed::model {
 namespace {
 
 // m, of parts that have no size in the deck, or no height in a side view.
-constexpr double rail_height = 0.172, drawn_height = 0.2, drawn_width = 0.26, spring_height = 0.3;
-constexpr double wheel_radius = 0.46, body_floor = 1.0, body_top = 3.4, body_overhang = 1.5;
+constexpr double drawn_height = 0.2, drawn_width = 0.26, spring_height = 0.3;
+constexpr double body_floor = 1.0, body_top = 3.4, body_overhang = 1.5;
 constexpr Paint ballast{.fill = "#8c8c8c", .line = "#555", .opacity = 0.45};
 constexpr Paint block{.fill = "#a9c9a4", .line = "#4f7a4a"};
 constexpr Paint structure{.fill = "#9aa0a6", .line = "#4d4d4d"};
@@ -100,8 +101,8 @@ void draw_spring(double x, double from, double to, Picture& picture) {
   picture.line({{x - drawn_width / 2, from}, {x + drawn_width / 2, from}}, thin);
 }
 
-// The sleepers of a track: `count` of them from number `first` on rest on another part of the
-// model.
+// Where a track is in the model. `count` sleepers, the first of them number `first`, lie on stones
+// or on the ground, all others on springs.
 struct TrackPlace {
   double origin;         // m, x of the model at the start of the track
   double underside;      // m, z of the lower faces of the sleepers
@@ -113,6 +114,7 @@ void draw_train(const Model& model, const TrackPlace& place, double top, Picture
   const auto train = train_of(model.track);
   if (!train) return;
   const double front = place.origin + model.track.train.start;
+  const double radius = model.track.wheel_rail.bodies.wheel_radius;
   double first = 0, last = 0;
   std::size_t axle = 0;
   std::vector<double> axles;
@@ -129,11 +131,10 @@ void draw_train(const Model& model, const TrackPlace& place, double top, Picture
     if (own > 1)
       picture.rectangle({last - body_overhang, top + body_floor},
                         {first + body_overhang, top + body_top}, body);
-    picture.text({(first + last) / 2, top + (own > 1 ? body_top : 2 * wheel_radius)}, vehicle.name,
+    picture.text({(first + last) / 2, top + (own > 1 ? body_top : 2 * radius)}, vehicle.name,
                  Anchor::middle, own > 1 ? 18 : -6);
   }
-  for (std::size_t k = 0; k < axle; ++k)
-    picture.circle({axles[k], top + wheel_radius}, wheel_radius, wheel);
+  for (std::size_t k = 0; k < axle; ++k) picture.circle({axles[k], top + radius}, radius, wheel);
   if (const std::size_t more = train->vehicles().size() - drawn; more > 0)
     picture.note(fmt::format("{} vehicle{} at the end of the train {} not drawn.", more,
                              more > 1 ? "s" : "", more > 1 ? "are" : "is"));
@@ -142,18 +143,18 @@ void draw_train(const Model& model, const TrackPlace& place, double top, Picture
 }
 
 void draw_track(const Model& model, const TrackPlace& place, Picture& picture) {
-  const track::TrackParameters& track = model.track.line.track;
+  const track::TrackParameters& line = model.track.line.track;
   const double top = place.underside + place.height;
-  const bool sleepers = track.support == track::Support::sleepers;
+  const bool sleepers = line.support == track::Support::sleepers;
   for (std::size_t k = 0; sleepers && k < model.track.sleepers(); ++k) {
-    const double x = place.origin + static_cast<double>(k) * track.spacing;
+    const double x = place.origin + static_cast<double>(k) * line.spacing;
     const bool carried = k >= place.first && k < place.first + place.count;
     picture.rectangle({x - place.width / 2, place.underside}, {x + place.width / 2, top},
                       carried ? sleeper : on_springs);
     if (!carried) draw_spring(x, place.underside - spring_height, place.underside, picture);
   }
-  const double level = sleepers ? top + rail_height : rail_height;
-  picture.line({{place.origin, level}, {place.origin + track.length, level}}, rail);
+  const double level = (sleepers ? top : 0) + track::drawn_rail_height;
+  picture.line({{place.origin, level}, {place.origin + line.length, level}}, rail);
   if (model.track.train.vehicles.empty()) return;
   draw_train(model, place, level, picture);
 }

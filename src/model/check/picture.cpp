@@ -38,6 +38,14 @@ double tick_distance(double length) {
   return 10 * power;
 }
 
+// Multiples of `step` from low to high, m.
+std::vector<double> ticks(double low, double high, double step) {
+  std::vector<double> found;
+  for (double k = std::ceil(low / step); k * step <= high; ++k)
+    found.push_back(k * step + 0.0);  // no minus zero
+  return found;
+}
+
 std::string styled(const Paint& paint) {
   return fmt::format(R"(fill="{}" fill-opacity="{:g}" stroke="{}" stroke-width="{:g}")", paint.fill,
                      paint.opacity, paint.line, paint.width);
@@ -124,15 +132,13 @@ std::string Picture::axes(const View& view) {
   std::string out = fmt::format("<path d=\"M{0:.1f} {1:.1f} V{2:.1f} H{3:.1f}\" {4}/>\n", left,
                                 view.y(view.high.z), bottom, view.x(view.high.x), styled(frame));
   const double step = tick_distance(std::max(view.high.x - view.low.x, view.high.z - view.low.z));
-  for (double k = std::ceil(view.low.x / step); k * step <= view.high.x; ++k) {
-    const double x = k * step;
+  for (const double x : ticks(view.low.x, view.high.x, step)) {
     out += fmt::format("<path d=\"M{0:.1f} {1:.1f} v5\" {2}/>\n", view.x(x), bottom, styled(frame));
-    out += label(view.x(x), bottom + 18, "middle", fmt::format("{:.4g}", x + 0.0));
+    out += label(view.x(x), bottom + 18, "middle", fmt::format("{:.4g}", x));
   }
-  for (double k = std::ceil(view.low.z / step); k * step <= view.high.z; ++k) {
-    const double z = k * step;
+  for (const double z : ticks(view.low.z, view.high.z, step)) {
     out += fmt::format("<path d=\"M{0:.1f} {1:.1f} h-5\" {2}/>\n", left, view.y(z), styled(frame));
-    out += label(left - 8, view.y(z) + 4, "end", fmt::format("{:.4g}", z + 0.0));
+    out += label(left - 8, view.y(z) + 4, "end", fmt::format("{:.4g}", z));
   }
   out += label(view.x(view.high.x), bottom + 36, "end", "x along the track, m");
   out += label(left, view.y(view.high.z) - 8, "middle", "z, m");
