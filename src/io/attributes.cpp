@@ -1,6 +1,8 @@
 // Attributes of datasets and groups. All calls are collective: all ranks pass the same value, as
 // parallel HDF5 requires for changes to metadata. Only scalars, short lists and text of fixed
 // length; anything else in a file is refused when it is read.
+#include <algorithm>
+
 #include "io/handle.hpp"
 
 namespace trackbed::io {
@@ -76,8 +78,10 @@ bool is_ascii(const std::string& text) {
 // the file.
 void File::attribute(const std::string& path, const std::string& name, const std::string& value) {
   const Hid type(H5Tcopy(H5T_C_S1)), space(H5Screate(H5S_SCALAR));
-  // The terminating zero is stored as well, so that empty text has a size that HDF5 accepts.
-  H5Tset_size(type.get(), value.size() + 1);
+  // Without a terminating zero: ParaView 5.11 compares the type of a field file with all that is
+  // stored. HDF5 needs a size of at least one.
+  H5Tset_size(type.get(), std::max<std::size_t>(value.size(), 1));
+  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
   H5Tset_cset(type.get(), is_ascii(value) ? H5T_CSET_ASCII : H5T_CSET_UTF8);
   write_attribute(*this, path, name, type, space, value.c_str());
 }

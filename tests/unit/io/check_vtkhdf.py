@@ -2,6 +2,7 @@
 
 import sys
 
+import h5py
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
@@ -13,6 +14,10 @@ def read(kind):
     path = f"{folder}/fields_{kind}_{ranks}.vtkhdf"
     if not reader.CanReadFile(path):
         sys.exit(f"{path} is not recognised as a VTKHDF file")
+    # ParaView 5.11 does not read a file whose type is stored with a terminating zero.
+    with h5py.File(path, "r") as file:
+        stored = h5py.h5a.open(file["VTKHDF"].id, b"Type").get_type().get_size()
+    expect(stored, len("UnstructuredGrid"), "bytes of the type")
     reader.SetFileName(path)
     reader.Update()
     return reader.GetOutput()
