@@ -20,8 +20,24 @@ pkg_check_modules(PETSC REQUIRED IMPORTED_TARGET PETSc)
 # Options of Debian's own build (-D_FORTIFY_SOURCE), with which precompiled headers of modules
 # without PETSc could not be used.
 set_property(TARGET PkgConfig::PETSC PROPERTY INTERFACE_COMPILE_OPTIONS "")
-pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-openmpi)
-find_library(HDF5_HL_LIBRARY hdf5_hl HINTS ${HDF5_LIBRARY_DIRS} REQUIRED)
+# Debian's parallel HDF5 is known to pkg-config; elsewhere, or with HDF5_ROOT, CMake searches.
+add_library(trackbed_hdf5 INTERFACE)
+if(NOT DEFINED HDF5_ROOT AND NOT DEFINED ENV{HDF5_ROOT})
+  pkg_check_modules(DEBIAN_HDF5 QUIET IMPORTED_TARGET hdf5-openmpi)
+endif()
+if(DEBIAN_HDF5_FOUND)
+  find_library(HDF5_HL_LIBRARY hdf5_hl HINTS ${DEBIAN_HDF5_LIBRARY_DIRS} REQUIRED)
+  target_link_libraries(trackbed_hdf5 INTERFACE PkgConfig::DEBIAN_HDF5 ${HDF5_HL_LIBRARY})
+else()
+  set(HDF5_PREFER_PARALLEL TRUE)
+  find_package(HDF5 1.10 REQUIRED COMPONENTS C HL)
+  if(NOT HDF5_IS_PARALLEL)
+    message(FATAL_ERROR "HDF5 ${HDF5_VERSION} (${HDF5_C_LIBRARIES}) was built without MPI. "
+      "Install a parallel HDF5 and give its folder as HDF5_ROOT.")
+  endif()
+  target_include_directories(trackbed_hdf5 SYSTEM INTERFACE ${HDF5_INCLUDE_DIRS})
+  target_link_libraries(trackbed_hdf5 INTERFACE ${HDF5_HL_LIBRARIES} ${HDF5_C_LIBRARIES})
+endif()
 
 # Debian's python3, not the first on PATH: only Debian's has the modules of cmake/packages.txt.
 set(TRACKBED_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with h5py, numpy, matplotlib and VTK")
