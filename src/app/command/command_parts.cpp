@@ -58,9 +58,15 @@ int finish(Run& run, const model::RunContext& context) {
     print(comm, "results: " + context.folder + "\n");
     return static_cast<int>(ExitCode::success);
   }
-  print(comm, run.last_checkpoint().empty()
-                  ? "stopped early, before a checkpoint was written: run the deck again\n"
-                  : "stopped early; continue with: trackbed resume " + context.folder + "\n");
+  const std::string& checkpoint = run.last_checkpoint();
+  if (checkpoint.empty())
+    print(comm, "stopped early, before a checkpoint was written: run the deck again\n");
+  else if (checkpoint.starts_with(context.folder + "/"))
+    print(comm, "stopped early; continue with: trackbed resume " + context.folder + "\n");
+  else  // that of another folder, from which this run was resumed
+    print(comm, fmt::format("stopped early, before a checkpoint was written; continue with: "
+                            "trackbed resume {} -o {} --force\n",
+                            checkpoint, context.folder));
   return static_cast<int>(ExitCode::stopped);
 }
 
