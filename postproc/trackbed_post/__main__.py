@@ -9,8 +9,8 @@ import matplotlib
 
 matplotlib.use("Agg")
 
-from trackbed_post import (curves, kinds, read, report, still, sweep, transition,  # noqa: E402
-                           vibration, write)
+from trackbed_post import (curves, geometry, kinds, read, report, still, sweep,  # noqa: E402
+                           transition, vibration, write)
 
 FORMATS = ("png", "pdf", "svg", "csv")  # csv: the lines of each figure
 
@@ -64,6 +64,14 @@ def draw_vibration(given):
     folder = write.Folder(given.output, write.origin_of([given.results]), given.format)
     vibration.draw_into(given.results, folder, given.quantity, given.place, given.measured,
                         given.cut_off)
+    print_folders([folder])
+
+
+def draw_geometry(given):
+    """longitudinal level in the bands D1, D2, D3 and twist, of files or of runs of a track"""
+    runs = [one for one in given.sources if one.is_dir()]
+    folder = write.Folder(given.output, write.origin_of(runs) if runs else "", given.format)
+    geometry.draw_into(given.sources, folder, given.twist_base, given.window)
     print_folders([folder])
 
 
@@ -157,6 +165,13 @@ def parser():
     one.add_argument("--measured", default="", metavar="FILE[:COLUMN]", help="CSV, MAT or WAV")
     one.add_argument("--cut-off", type=float, default=100.0, metavar="HZ",
                      help="of the low pass; default: %(default)g")
+    draws(one)
+    one = command("geometry", draw_geometry)
+    one.add_argument("sources", type=pathlib.Path, nargs="+", metavar="FILE.csv|RESULT_DIR")
+    one.add_argument("--twist-base", type=float, nargs="+", default=list(geometry.BASES),
+                     metavar="M", help="default: 3")
+    one.add_argument("--window", type=float, default=geometry.WINDOW, metavar="M",
+                     help="of sliding standard deviations; default: %(default)g")
     draws(one)
     one = command("curve", draw_curve)
     one.add_argument("quantity", help="a dataset such as history/rail/displacement")

@@ -8,7 +8,7 @@ import matplotlib.collections
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import bed_figures, measures, read, signals, write
+from trackbed_post import bed_figures, bed_histories, measures, read, signals, write
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 
 GRAVITY = 9.81        # m/s^2
@@ -37,14 +37,6 @@ def mark_blocks(axes, run):
                   va="bottom", fontsize=8)
 
 
-def chosen_sleepers(run):
-    """Three sleepers to show: first, nearest to the structure's edge (or the middle one), last."""
-    edge = measures.edge_of_structure(run)
-    x = run.sleepers_x
-    middle = len(x) // 2 if edge is None else int(np.argmin(np.abs(x - edge)))
-    return sorted({0, middle, len(x) - 1})
-
-
 def sleepers(runs):
     """Histories of displacement, seat load, reaction and filtered acceleration in the passage."""
     needs(all(len(run.sleepers_x) and run.sleeper for run in runs), "no sleepers")
@@ -59,7 +51,7 @@ def sleepers(runs):
         acceleration = FILTER(time, run.sleeper["acceleration"].values[rows]) / GRAVITY
         shown = (sunk, -run.sleeper["seat_force"].values[rows] / 1e3,
                  run.sleeper["reaction"].values[rows] / 1e3, acceleration)
-        for k in chosen_sleepers(run):
+        for k in measures.chosen_sleepers(run):
             for panel, values in zip(panels, shown):
                 panel.plot(time, values[:, k], lw=1, ls="-" if number == 0 else "--",
                            label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
@@ -301,7 +293,7 @@ def overview(runs):
 
 FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "stress": stress,
            "spectrum": spectra, "force_chains": force_chains, "energy": energy,
-           **bed_figures.FIGURES}
+           **bed_figures.FIGURES, **bed_histories.FIGURES}
 
 
 def draw_all(runs, folder):

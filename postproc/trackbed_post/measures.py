@@ -7,6 +7,8 @@ import dataclasses
 
 import numpy as np
 
+SECANT = 0.2     # of the increase of the reaction, where the secant of the support begins
+HANGS = 1e-4     # m, a larger gap means that a sleeper hangs
 REACHED = 0.9    # the transition ends where this fraction of the change is reached
 CLEAR = 0.10     # a smaller relative difference of two runs is no clear effect
 LASTING = 1e-3   # m, a larger residual displacement of a sleeper means that stones have moved
@@ -361,6 +363,72 @@ def region_table(run):
             lines.append(f"  {label:<22}{unit:>8}"
                          + "".join(f"{column[number]:12.4g}" for column in columns))
     return "\n".join(lines) + "\n"
+
+
+def invariants(stress, plane=False):
+    """Mean and deviatoric stress, Pa, of rows xx yy zz xy xz yz with tension positive. In space
+    p = (s1 + s2 + s3)/3 and q = sqrt(3 J2), compression positive; in a plane, where sigma_yy is not
+    computed, s = (s1 + s3)/2 and t = (s1 - s3)/2."""
+    xx, yy, zz, xy, xz, yz = np.moveaxis(-np.asarray(stress), -1, 0)
+    if plane:
+        return (xx + zz) / 2, np.hypot((xx - zz) / 2, xz)
+    mean = (xx + yy + zz) / 3
+    second = ((xx - mean)**2 + (yy - mean)**2 + (zz - mean)**2) / 2 + xy**2 + xz**2 + yz**2
+    return mean, np.sqrt(3 * second)
+
+
+def principal_direction(stress):
+    """Angle, rad, between the vertical and the direction of largest compression in the plane of x
+    and z; positive: its upper end leans towards +x. Rows as of `invariants`."""
+    compression = -np.asarray(stress)
+    xx, zz, xz = (compression[..., k] for k in (0, 2, 4))
+    return np.arctan2(2 * xz, zz - xx) / 2
+
+
+@dataclasses.dataclass(frozen=True)
+class Support:
+    """What stones and ground below each sleeper do in the passage."""
+    lowered: np.ndarray    # [time, sleeper], m, downwards since its first row
+    reaction: np.ndarray   # [time, sleeper], N
+    stiffness: np.ndarray  # N/m, secant of the reaction from SECANT of its increase to the largest
+    gap: np.ndarray        # m, where this secant has the reaction of the first row; at least 0
+
+    @property
+    def hanging(self):
+        """Number of sleepers that hang."""
+        return int(np.count_nonzero(self.gap > HANGS))
+
+
+def support(results):
+    """The load of a sleeper is followed backwards from its largest reaction to SECANT of the
+    increase since the first row, which must be before the load of the train."""
+    rows = results.passage()
+    height = results.sleeper["displacement"].values[rows]
+    reaction = results.sleeper["reaction"].values[rows]
+    lowered = height[0] - height
+    stiffness, gap = np.full(lowered.shape[1], NOWHERE), np.zeros(lowered.shape[1])
+    for k in range(lowered.shape[1]):
+        most = int(np.argmax(reaction[:, k]))
+        level = reaction[0, k] + SECANT * (reaction[most, k] - reaction[0, k])
+        below = np.flatnonzero(reaction[:most, k] <= level)
+        if not len(below):
+            continue
+        last = below[-1]   # the secant begins between this row and the next one
+        part = (level - reaction[last, k]) / (reaction[last + 1, k] - reaction[last, k])
+        begin = lowered[last, k] + part * (lowered[last + 1, k] - lowered[last, k])
+        way = lowered[most, k] - begin
+        if way > 0:
+            stiffness[k] = (reaction[most, k] - level) / way
+            gap[k] = max(begin - (level - reaction[0, k]) / stiffness[k], 0.0)
+    return Support(lowered, reaction, stiffness, gap)
+
+
+def chosen_sleepers(run):
+    """Three sleepers to show: first, nearest to the structure's edge (or the middle one), last."""
+    edge = edge_of_structure(run)
+    x = run.sleepers_x
+    middle = len(x) // 2 if edge is None else int(np.argmin(np.abs(x - edge)))
+    return sorted({0, middle, len(x) - 1})
 
 
 def passing(sieved, openings):

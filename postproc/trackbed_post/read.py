@@ -62,6 +62,7 @@ class Results:
     walls: dict  # per wall `force`, N, and `displacement`, m: [time, x y z]
     platen: dict  # `z`, m, and `pressure`, Pa: [time]; `force`, N: [time, x y z]
     regions: dict  # histories per region; [time, cell], tensors [time, cell, 6]
+    sensors: dict  # histories per sensor: [time], [time, x y z]; stress [time, 6]
     placed: dict  # histories per stone placed by the deck: [time], [time, x y z]
     surfaces: dict  # per plate and box `force`, `impulse`, `peak_force`, `displacement`
     total: dict  # all stones placed by the deck: momentum, angular momentum, contacts
@@ -218,6 +219,7 @@ def _results(file_path, file):
         energy=_quantities(file, "history/energy"),
         grading=_array(file, "bed/grading").reshape(-1, 4),
         walls=_named(file, "history/wall"),
+        sensors=_named(file, "history/sensor"),
         placed=_named(file, "history/stone"),
         surfaces=_named(file, "history/surface"),
         total=_quantities(file, "history/total"),

@@ -71,6 +71,7 @@ REGION = {"porosity": (0.4, 0.5), "bulk_density": (1500.0, 1300.0), "stones": (3
           "fabric": ([[0.3, 0.3, 0.4, 0, 0, 0]], [[0.2, 0.2, 0.6, 0, 0, 0]])}
 
 
+SENSOR = (("displacement", 1e-3, "m"), ("velocity", 1e-2, "m/s"), ("acceleration", 1.0, "m/s2"))
 SIEVED = np.array([[0.03, 1.0], [0.04, 3.0]])
 # Two places along, three across; no stones in the last.
 SURFACE = [[0.5, -1.0, 0.1], [1.5, -1.0, 0.3], [0.5, 0.0, 0.5], [1.5, 0.0, 0.5],
@@ -102,6 +103,8 @@ def write(folder, wedge=True, ground=True):
     made |= {f"history/region/slab/{name}": (np.concatenate(
         [np.atleast_2d(value) * np.ones((len(time), 1)) for value in one], axis=1), "-")
              for name, one in REGION.items()}
+    made |= {f"history/sensor/stone/{name}": (factor * time[:, None] * np.array([[1, 0, -2]]), unit)
+             for name, factor, unit in SENSOR}
     made |= {"envelope/sleeper/displacement_min": (-1e-3 * np.ones(len(x)), "m"),
              "envelope/sleeper/displacement_max": (1e-3 * np.ones(len(x)), "m"),
              "envelope/sleeper/acceleration_max": (53.0 * np.ones(len(x)), "m/s^2")}

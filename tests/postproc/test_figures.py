@@ -87,6 +87,63 @@ def test_cells_of_a_region_are_weighted_by_their_stones_and_contacts(runs):
     bed_on_ground.plt.close("all")
 
 
+def test_invariants_and_direction_of_a_stress():
+    # Compression 30 along (sin 20, 0, cos 20), 10 across it and along y.
+    angle = np.radians(20)
+    n = np.array([np.sin(angle), 0, np.cos(angle)])
+    tensor = -(10 * np.eye(3) + 20 * np.outer(n, n))
+    row = tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    assert measures.invariants(row) == pytest.approx((50 / 3, 20))
+    assert measures.invariants(row, plane=True) == pytest.approx((20, 10))
+    assert np.degrees(measures.principal_direction(row)) == pytest.approx(20)
+
+
+def with_support(run, lowered, reaction):
+    sleeper = {**run.sleeper, "displacement": read.Quantity(-lowered, "m", "-"),
+               "reaction": read.Quantity(reaction, "N", "-")}
+    return dataclasses.replace(run, sleeper=sleeper)
+
+
+def test_support_of_sleepers(runs):
+    run = runs[0]
+    time = run.time - run.time[run.passage()][0]
+    way = 2e-3 * np.sin(np.pi * np.clip(time, 0, None) / 2)[:, None]
+    way = way * np.ones((1, len(run.sleepers_x)))
+    # 30 kN/mm from the first row on, above a weight of 3 % of the largest reaction.
+    reaction = 2e3 + 30e6 * way
+    reaction[:, 3] = 40e6 * np.maximum(way[:, 3] - 0.5e-3, 0)   # hangs by 0.5 mm
+    found = measures.support(with_support(run, way, reaction))
+    assert found.stiffness[0] == pytest.approx(30e6)
+    assert found.gap[0] == pytest.approx(0, abs=1e-12)
+    assert found.gap[3] == pytest.approx(0.5e-3, abs=1e-9)
+    assert found.stiffness[3] == pytest.approx(40e6)
+    assert found.hanging == 1
+    loops, stiff, gaps = bed_on_ground.bed_histories.support(
+        [with_support(run, way, reaction)]).axes
+    assert "1 of" in gaps.get_title()
+    assert stiff.lines[0].get_ydata()[0] == pytest.approx(30)
+    assert loops.lines[0].get_ydata().max() == pytest.approx(62, rel=1e-5)
+    bed_on_ground.plt.close("all")
+
+
+def test_directions_that_turn_over_are_not_joined():
+    shown = bed_on_ground.bed_histories.unbroken(np.array([80.0, 88.0, -88.0, -80.0]))
+    assert np.isnan(shown[2]) and np.isfinite(shown[[0, 1, 3]]).all()
+
+
+def test_sensors_show_the_vertical_motion_in_the_passage(runs):
+    motion, velocity, acceleration = bed_on_ground.bed_histories.sensors(runs[:1]).axes
+    time, shown = motion.lines[0].get_data()
+    assert shown == pytest.approx(-2 * time)   # mm, from zero
+    assert velocity.lines[0].get_ydata() == pytest.approx(
+        -20 * runs[0].time[runs[0].passage()])  # mm/s
+    # A ramp is not changed by the filter, except near its ends.
+    middle = slice(200, -200)
+    assert acceleration.lines[0].get_ydata()[middle] == pytest.approx(
+        -2 * runs[0].time[runs[0].passage()][middle], rel=1e-3)
+    bed_on_ground.plt.close("all")
+
+
 def test_grading_is_by_mass(runs):
     found = measures.passing(made.SIEVED, [0.02, 0.03, 0.035, 0.05])
     assert found == pytest.approx([0, 25, 25, 100])
@@ -140,7 +197,7 @@ def test_a_run_without_ground_draws_the_other_figures(tmp_path):
     bed_on_ground.draw_all([read.results(made.write(tmp_path / "bed", ground=False))], folder)
     assert {path.stem for path in folder.pictures} == {
         "sleepers", "spectrum", "energy", "force_chains", "regions", "forces", "grading",
-        "section"}
+        "section", "sensors", "stress_paths", "support"}
     assert any(one.endswith(" has no ground") for one in folder.remarks)
 
 

@@ -1,0 +1,116 @@
+"""Figures of histories within the bed: sensors, stress paths of regions, support of sleepers."""
+import matplotlib.pyplot as plt
+import numpy as np
+
+from trackbed_post import measures, signals
+from trackbed_post.bed_figures import needs
+
+FILTER = signals.LowPass()
+STYLES = ("-", "--")  # of the runs
+
+
+def time_in_passage(run):
+    """(rows, time since its first row, s, its name for an axis) of the passage or last stage."""
+    rows = run.passage()
+    stage = "passage" if run.has_passage() else "last stage"
+    return rows, run.time[rows] - run.time[rows][0], f"time since the {stage} began (s)"
+
+
+def sensors(runs):
+    """Vertical motion of each sensor in the passage; displacement since the passage began."""
+    needs(all(run.sensors for run in runs), "the results contain no sensors")
+    panels = {"displacement": "displacement (mm, up)", "velocity": "velocity (mm/s, up)",
+              "acceleration": "acceleration (m/s2, up)"}
+    names = list(dict.fromkeys(name for run in runs for name in run.sensors))
+    figure, axes = plt.subplots(len(panels), 1, sharex=True, figsize=(10, 8))
+    for run, style in zip(runs, STYLES):
+        rows, time, label = time_in_passage(run)
+        for number, name in enumerate(names):
+            for panel, quantity in zip(axes, panels):
+                if quantity not in run.sensors.get(name, {}):  # of a sensor at a fixed place
+                    continue
+                values = run.sensors[name][quantity].values[rows, 2]
+                if quantity == "displacement":
+                    values = values - values[0]
+                values = FILTER(time, values) if quantity == "acceleration" else 1e3 * values
+                panel.plot(time, values, style, lw=1, color=f"C{number % 10}",
+                           label=name if run is runs[0] else f"{name}, {run.name}")
+    for panel, text in zip(axes, panels.values()):
+        panel.set_ylabel(text)
+        panel.grid(alpha=0.3)
+    axes[2].set_ylabel(f"{panels['acceleration']}\n{FILTER.name_for(time)}")
+    axes[1].legend(fontsize=7, loc="center left", bbox_to_anchor=(1, 0.5))
+    axes[0].set_title("Sensors: " + ", ".join(
+        f"{run.name} ({words})" for run, words in zip(runs, ("lines", "dashed"))), fontsize=10)
+    axes[-1].set_xlabel(label)
+    return figure
+
+
+def unbroken(angle):
+    """Angles between -90 and 90 degrees without the jumps from one end to the other."""
+    jumps = np.abs(np.diff(angle, prepend=angle[:1])) > 90
+    return np.where(jumps, np.nan, angle)
+
+
+def stress_paths(runs):
+    """Of each region in the passage: deviatoric over mean stress, and the direction of the largest
+    compression; means over the cells of a region."""
+    needs(all(run.regions for run in runs), "the deck defines no regions")
+    plane = runs[0].deck.get("dimension") == "plane"
+    figure, (path, turn) = plt.subplots(1, 2, figsize=(11, 5))
+    for run, style in zip(runs, STYLES):
+        rows, time, label = time_in_passage(run)
+        for number, (name, region) in enumerate(run.regions.items()):
+            stress = region["stress"].values[rows].mean(axis=1)
+            mean, deviator = measures.invariants(stress, plane)
+            text = f"{run.name}: {name}"
+            path.plot(mean / 1e3, deviator / 1e3, style, lw=0.8, color=f"C{number}", label=text)
+            path.plot(mean[0] / 1e3, deviator[0] / 1e3, "o", ms=4, color=f"C{number}")
+            turn.plot(time, unbroken(np.degrees(measures.principal_direction(stress))), style,
+                      lw=0.8, color=f"C{number}", label=text)
+    path.set_xlabel("s = (s1 + s3)/2 (kPa)" if plane else "mean compression p (kPa)")
+    path.set_ylabel("t = (s1 - s3)/2 (kPa)" if plane else "deviatoric stress q (kPa)")
+    path.set_title("Stress paths (dot: start)", fontsize=10)
+    turn.set_xlabel(label)
+    turn.set_ylabel("major principal stress in the plane of x and z:\ninclination from the "
+                    "vertical, positive towards +x (degrees)")
+    turn.set_ylim(-90, 90)
+    turn.set_title("Rotation of the principal stress", fontsize=10)
+    for panel in (path, turn):
+        panel.grid(alpha=0.3)
+        panel.legend(fontsize=8)
+    return figure
+
+
+def support(runs):
+    """Reaction of the stones over the settlement of sleepers in the passage; stiffness of the
+    support of all sleepers, and gaps below those that hang."""
+    needs(all(len(run.sleepers_x) and run.sleeper for run in runs), "no sleepers")
+    figure, (loops, stiff, gaps) = plt.subplots(1, 3, figsize=(14, 4.6))
+    text = []
+    for run, style in zip(runs, STYLES):
+        found = measures.support(run)
+        for number, k in enumerate(measures.chosen_sleepers(run)):
+            loops.plot(found.lowered[:, k] * 1e3, found.reaction[:, k] / 1e3, style, lw=0.8,
+                       color=f"C{number}", label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
+        stiff.plot(run.sleepers_x, found.stiffness / 1e6, style, marker="o", ms=3, lw=1,
+                   label=run.name)
+        gaps.plot(run.sleepers_x, found.gap * 1e3, style, marker="o", ms=3, lw=1, label=run.name)
+        text.append(f"{run.name}: {found.hanging} of {len(found.gap)} have a gap above "
+                    f"{1e3 * measures.HANGS:g} mm")
+    loops.set_xlabel("sleeper lowered since the passage began (mm)")
+    loops.set_ylabel("reaction of the stones (kN)")
+    loops.set_title("Loops", fontsize=10)
+    stiff.set_ylabel("stiffness of the support (kN/mm)")
+    stiff.set_title("Stones and ground, secant to the largest reaction", fontsize=10)
+    gaps.set_ylabel("gap below the sleeper (mm)")
+    gaps.set_title("\n".join(text), fontsize=10)
+    for panel in (stiff, gaps):
+        panel.set_xlabel("x along the track (m)")
+    for panel in (loops, stiff, gaps):
+        panel.grid(alpha=0.3)
+        panel.legend(fontsize=7)
+    return figure
+
+
+FIGURES = {"sensors": sensors, "stress_paths": stress_paths, "support": support}

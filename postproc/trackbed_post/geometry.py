@@ -1,0 +1,226 @@
+"""Geometry of a track: longitudinal level in bands of wavelength and twist, of measured files or
+under the first wheel of runs. What is computed: docs/postproc.md.
+
+A file has a column x_m and one of heights for one rail, or two, whose names begin with left and
+right and end with the unit (z_m, left_mm). The file of `irregularity.file` of a deck is one.
+"""
+import dataclasses
+import pathlib
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from trackbed_post import measured, read, track_figures, track_measures
+
+BANDS = {"D1": (3.0, 25.0), "D2": (25.0, 70.0), "D3": (70.0, 150.0)}  # m, EN 13848-1
+WINDOW = 200.0     # m, of sliding standard deviations
+BASES = (3.0,)     # m, of twist
+GAP = 1.5          # median steps of x: rows are missing
+LEAST = 10         # samples of a window
+ENDS = 3           # longest wavelengths: a longer record is judged without one of them at each end
+STYLES = ("-", "--", ":", "-.")
+
+
+@dataclasses.dataclass(frozen=True)
+class Level:
+    """Heights of one rail or two, [place, rail], m, at evenly spaced x, m."""
+    name: str
+    x: np.ndarray
+    height: np.ndarray
+    remarks: tuple = ()
+
+    @property
+    def step(self):
+        return self.x[1] - self.x[0]
+
+    @property
+    def length(self):
+        return self.x[-1] - self.x[0]
+
+
+def even(name, x, height):
+    """A Level of rows in ascending x; uneven ones are interpolated at their median distance."""
+    if len(x) < 8 or np.any(np.diff(x) <= 0):
+        raise read.Unreadable(f"{name}: a level needs at least eight rows in ascending x")
+    if not (np.isfinite(x).all() and np.isfinite(height).all()):
+        raise read.Unreadable(f"{name}: some values are not numbers")
+    steps = np.diff(x)
+    step = float(np.median(steps))
+    missing = np.flatnonzero(steps > GAP * step)
+    remarks = (f"{len(missing)} gaps, the longest of {steps.max():.4g} m at "
+               f"{x[np.argmax(steps)]:.4g} m, were filled by straight lines",)
+    places = np.linspace(x[0], x[-1], int(round((x[-1] - x[0]) / step)) + 1)
+    return Level(name, places, np.stack([np.interp(places, x, rail) for rail in height.T], axis=1),
+                 remarks if len(missing) else ())
+
+
+def in_order(rails, path):
+    """Names of two columns, that of the left rail first."""
+    if len(rails) == 1:
+        return rails
+    sides = {side: [one for one in rails if one.startswith(side)] for side in ("left", "right")}
+    if any(len(found) != 1 for found in sides.values()):
+        raise read.Unreadable(f"{path}: the names of two columns of heights must begin with left "
+                              f"and right (left_mm, right_mm), not {', '.join(rails)}")
+    return sides["left"] + sides["right"]
+
+
+def of_file(path):
+    names, table = measured.table_of(path)
+    rails = [one for one in names if one != "x_m"]
+    if "x_m" not in names or len(rails) not in (1, 2):
+        raise read.Unreadable(f"{path} must have a column x_m and one or two of heights; it has "
+                              f"{', '.join(names)}")
+    rails = in_order(rails, path)
+    factors = [measured.unit_of(one) for one in rails]
+    if any(unit != "m" for _, unit in factors):
+        raise read.Unreadable(f"{path}: heights must be lengths, such as z_m or left_mm, not "
+                              f"{', '.join(rails)}")
+    return even(path.name, table[:, names.index("x_m")], np.stack(
+        [factor * table[:, names.index(one)] for one, (factor, _) in zip(rails, factors)], axis=1))
+
+
+def of_run(folder):
+    """The loaded rails under the first rolling wheel of a track alone, between its run-ins."""
+    deck = read.origin(folder)[1]
+    run = read.datasets(folder)
+    wheels = track_figures.rolling(run) if "history/wheel/height" in run else []
+    if not wheels or "track" not in deck:
+        raise read.Unreadable(f"{folder}: contains no path of a wheel on a track without a bed")
+    run_in, length = track_figures.run_in_of(deck), deck["track"]["length"]
+    sides = wheels[:2] if track_figures.two_rails(run) else wheels[:1]
+    x = track_figures.history(run, "wheel/x")[:, sides[0]]
+    on = (x >= run_in) & (x <= length - run_in)
+    there, first = np.unique(x[on], return_index=True)   # at a stop x is repeated
+    heights = [track_figures.history(run, "wheel/height")[:, side][on][first] for side in sides]
+    return even(pathlib.Path(folder).name, there, np.stack(heights, axis=1))
+
+
+def load(path):
+    path = pathlib.Path(path)
+    return of_run(path) if path.is_dir() else of_file(path)
+
+
+def why_not(level, band):
+    """Why a record has not the band, or nothing."""
+    shortest, longest = BANDS[band]
+    if level.length < longest:
+        return f"the record is shorter than {longest:g} m"
+    return f"its step of {level.step:g} m does not resolve {shortest:g} m" \
+        if 2 * level.step > shortest else ""
+
+
+def bands_of(level):
+    """Band -> [place, rail], m."""
+    return {name: np.stack([track_measures.band(rail, level.step, limits)
+                            for rail in level.height.T], axis=1)
+            for name, limits in BANDS.items() if not why_not(level, name)}
+
+
+def inner(level, band):
+    """Rows of a band that its filter's continuation of the ends does not reach; all of a short
+    record."""
+    longest = BANDS[band][1]
+    rows = int(round(longest / level.step)) if level.length >= ENDS * longest else 0
+    return slice(rows, len(level.x) - rows)
+
+
+def twist(level, base):
+    """(middle of the base, m; change of the difference in height of both rails, left minus right,
+    over `base` m divided by it, m/m)."""
+    across = level.height[:, 0] - level.height[:, 1]
+    if not level.step <= base < level.length:
+        raise read.Unreadable(f"--twist-base {base:g}: must be at least the step of "
+                              f"{level.name}, {level.step:g} m, and below its length of "
+                              f"{level.length:g} m")
+    x = level.x[level.x <= level.x[-1] - base]
+    ahead = np.interp(x + base, level.x, across)
+    return x + base / 2, (ahead - across[:len(x)]) / base
+
+
+def worst_window(x, values, window):
+    """(largest standard deviation within `window` m, middle of this window, its length, m); of a
+    shorter record that of the whole."""
+    step = x[1] - x[0]
+    count = min(int(round(window / step)) + 1, len(values))
+    sums = np.concatenate([[0], np.cumsum(values)])
+    squares = np.concatenate([[0], np.cumsum(values**2)])
+    mean = (sums[count:] - sums[:-count]) / count
+    spread = np.sqrt(np.maximum((squares[count:] - squares[:-count]) / count - mean**2, 0))
+    worst = int(np.argmax(spread))
+    return spread[worst], (x[worst] + x[worst + count - 1]) / 2, (count - 1) * step
+
+
+def numbers(level, bases=BASES, window=WINDOW):
+    """Name -> (value, unit)."""
+    found = {"length": (level.length, "m")}
+    rails = ("left rail", "right rail") if level.height.shape[1] == 2 else ("rail",)
+    for name, values in bands_of(level).items():
+        rows = inner(level, name)
+        for rail, one in zip(rails, values[rows].T):
+            spread, where, length = worst_window(level.x[rows], one, window)
+            found |= {f"{name}, {rail}: standard deviation": (1e3 * one.std(), "mm"),
+                      f"{name}, {rail}: largest standard deviation in {length:.4g} m": (
+                          1e3 * spread, "mm"),
+                      f"{name}, {rail}: middle of this window": (where, "m"),
+                      f"{name}, {rail}: largest deviation": (1e3 * np.abs(one).max(), "mm")}
+    for base in bases if len(rails) == 2 else ():
+        x, slope = twist(level, base)
+        found[f"twist over {base:g} m: largest"] = (1e3 * np.abs(slope).max(), "mm/m")
+        found[f"twist over {base:g} m: location of the largest"] = (x[np.argmax(np.abs(slope))],
+                                                                    "m")
+    return found
+
+
+def draw(levels, bases=BASES):
+    shown = [name for name in BANDS if any(name in bands_of(one) for one in levels)]
+    both = any(one.height.shape[1] == 2 for one in levels)
+    if not shown and not both:
+        raise read.Unreadable("no band can be computed: " + "; ".join(
+            f"{one.name}: {why_not(one, 'D1')} (D1)" for one in levels))
+    figure, panels = plt.subplots(len(shown) + both, 1, sharex=True, squeeze=False,
+                                  figsize=(10, 2.6 * (len(shown) + both)))
+    for level, style in zip(levels, STYLES):
+        bands = bands_of(level)
+        for panel, name in zip(panels[:, 0], shown):
+            for side, rail in enumerate(bands.get(name, np.empty((0, 0))).T):
+                of = ("", ", left", ", right")[side + (level.height.shape[1] == 2)]
+                panel.plot(level.x, 1e3 * rail, style, lw=0.8, color=f"C{side}",
+                           label=f"{level.name}{of}")
+        for number, base in enumerate(bases if level.height.shape[1] == 2 else ()):
+            x, slope = twist(level, base)
+            panels[-1, 0].plot(x, 1e3 * slope, style, lw=0.8, color=f"C{number}",
+                               label=f"{level.name}, base of {base:g} m")
+    for panel, name in zip(panels[:, 0], shown):
+        low, high = BANDS[name]
+        panel.set_ylabel(f"{name}, {low:g} to {high:g} m\nlevel (mm)")
+    if both:
+        panels[-1, 0].set_ylabel("twist (mm/m)")
+    for panel in panels[:, 0]:
+        panel.grid(alpha=0.3)
+        panel.legend(fontsize=8)
+    panels[0, 0].set_title("Longitudinal level, zero phase" if shown else "Twist", fontsize=10)
+    panels[-1, 0].set_xlabel("x along the track (m)")
+    return figure
+
+
+def draw_into(sources, folder, bases=BASES, window=WINDOW):
+    """Picture geometry and table geometry.txt of files or runs into a write.Folder."""
+    if len(sources) > len(STYLES):
+        raise read.Unreadable(f"give at most {len(STYLES)} files or runs")
+    levels = [load(one) for one in sources]
+    for level in levels:
+        if not LEAST * level.step <= window < np.inf:
+            raise read.Unreadable(f"--window {window:g}: must be at least {LEAST} steps of "
+                                  f"{level.name}, {LEAST * level.step:g} m")
+    figure = draw(levels, bases)
+    figure.tight_layout()
+    folder.picture("geometry", figure)
+    lines = []
+    for level in levels:
+        lines.append(f"{level.name}, {level.x[0]:g} to {level.x[-1]:g} m")
+        lines += [f"  {name:<62}{value:12.5g} {unit}"
+                  for name, (value, unit) in numbers(level, bases, window).items()]
+        lines += [f"  no {name}: {why}" for name in BANDS if (why := why_not(level, name))]
+        lines += [f"  {remark}" for remark in level.remarks]
+    folder.table("geometry.txt", "\n".join(lines) + "\n")

@@ -1,0 +1,116 @@
+"""Bands of wavelength and twist of known profiles."""
+import conftest
+import made
+import numpy as np
+import pytest
+from trackbed_post import geometry, read
+
+STEP = 0.25
+X = np.arange(0, 900.1, STEP)
+
+
+def write_csv(path, **columns):
+    rows = np.stack(list(columns.values()), axis=1)
+    np.savetxt(path, rows, delimiter=",", header=",".join(columns), comments="", fmt="%.9g")
+    return path
+
+
+def waves(amplitudes):
+    """Sum of cosines: wavelength, m -> amplitude, m. Whole periods have no kink where the ends are
+    continued by their mirror image."""
+    return sum(a * np.cos(2 * np.pi * X / length) for length, a in amplitudes.items())
+
+
+def test_each_band_holds_its_wavelength():
+    level = geometry.Level("made", X, waves({9: 1e-3, 45: 4e-3, 100: 10e-3})[:, None])
+    found = geometry.numbers(level)
+    for name, (shortest, longest) in geometry.BANDS.items():
+        low, high = 1 / longest, 1 / shortest
+        # Gain of a Butterworth band pass of order 4; neighbouring bands overlap.
+        mean_square = 0
+        for length, amplitude in ((9, 1), (45, 4), (100, 10)):
+            k = 1 / length
+            damped = 1 + ((k**2 - low * high) / (k * (high - low)))**8
+            mean_square += amplitude**2 / 2 / damped
+        # The mirror image repeats the last sample: an error of half a step in 900 m.
+        assert found[f"{name}, rail: standard deviation"][0] == pytest.approx(
+            np.sqrt(mean_square), rel=5e-3)
+
+
+def test_worst_window_is_where_the_track_is_rough():
+    rough = 1e-3 * np.sin(2 * np.pi * X / 10) * np.where(np.abs(X - 600) < 100, 3, 1)
+    spread, where, length = geometry.worst_window(X, rough, 200)
+    assert spread == pytest.approx(3e-3 / np.sqrt(2), rel=0.01)
+    assert where == pytest.approx(600, abs=1) and length == pytest.approx(200)
+    spread, _, length = geometry.worst_window(X, rough, 1e4)
+    assert spread == pytest.approx(rough.std()) and length == pytest.approx(900)
+
+
+def test_ends_of_a_long_record_are_not_judged():
+    # A step at the very end, which the filter turns into a wave of its own.
+    level = geometry.Level("made", X, (1e-3 * np.cos(2 * np.pi * X / 10)
+                                       + 5e-3 * (X > 895))[:, None])
+    assert geometry.numbers(level)["D1, rail: largest deviation"][0] < 1.5
+    assert 1e3 * np.abs(geometry.bands_of(level)["D1"]).max() > 3
+
+
+def test_twist_of_a_ramp_and_of_a_wave():
+    left = 2e-3 * X     # 2 mm/m
+    level = geometry.Level("made", X, np.stack([left, 0 * X], axis=1))
+    x, slope = geometry.twist(level, 3.0)
+    assert slope == pytest.approx(2e-3)
+    assert x[0] == pytest.approx(1.5)
+    # Over a base b the wave a sin(k x) has the twist 2 a sin(k b/2)/b cos(k x) at its middle x; the
+    # base of 3.1 m is no multiple of the step.
+    k = 2 * np.pi / 12
+    wave = geometry.Level("made", X, np.stack([1e-3 * np.sin(k * X), 0 * X], axis=1))
+    for base in (3.0, 3.1):
+        x, slope = geometry.twist(wave, base)
+        # Straight lines between samples err by (k step)^2/8 = 0.2 % of the amplitude.
+        assert slope == pytest.approx(2e-3 * np.sin(k * base / 2) / base * np.cos(k * x), abs=2e-6)
+    with pytest.raises(read.Unreadable, match="must be at least the step"):
+        geometry.twist(wave, 1000.0)
+
+
+def test_rails_are_found_by_name_and_gaps_are_stated(tmp_path):
+    x = np.delete(X[:400], slice(200, 240))
+    one = geometry.load(write_csv(tmp_path / "a.csv", x_m=x, right_mm=np.sin(x), left_mm=0 * x))
+    assert np.abs(one.height[:, 0]).max() == 0 and np.abs(one.height[:, 1]).max() > 0
+    assert "1 gaps, the longest of 10.25 m at 49.75 m" in one.remarks[0]
+    assert one.step == pytest.approx(STEP)
+    coarse = geometry.Level("made", 5.0 * np.arange(100), np.zeros((100, 1)))
+    assert "does not resolve 3 m" in geometry.why_not(coarse, "D1")
+    assert set(geometry.bands_of(coarse)) == {"D2", "D3"}
+
+
+def test_command_reads_files_and_names_bands_that_are_too_long(tmp_path):
+    short = X[:200]
+    one = write_csv(tmp_path / "rails.csv", x_m=short, left_mm=np.sin(short),
+                    right_mm=-np.sin(short))
+    ran = conftest.call("geometry", one, "-o", tmp_path / "out", "--twist-base", "3", "9")
+    assert ran.returncode == 0, ran.stderr
+    table = (tmp_path / "out/geometry.txt").read_text()
+    assert "no D2: the record is shorter than 70 m" in table and "twist over 9 m" in table
+    assert "largest standard deviation in 49.75 m" in table
+    value = float(table.split("D1, left rail: standard deviation")[1].split()[0])
+    assert value == pytest.approx(np.sin(short).std(), rel=0.05)   # a wave of 6.3 m
+    assert (tmp_path / "out/geometry.png").is_file()
+
+
+@pytest.mark.parametrize("columns, words", [
+    ({"x_m": X[:50]}, "one or two of heights"),
+    ({"x_m": X[:50], "z_g": X[:50]}, "must be lengths"),
+    ({"x_m": X[:50], "z": X[:50]}, "its name must end with"),
+    ({"x_m": X[:50][::-1], "z_mm": X[:50]}, "ascending x"),
+    ({"x_m": X[:50], "z_mm": np.full(50, np.nan)}, "not numbers"),
+    ({"x_m": X[:50], "a_mm": X[:50], "b_mm": X[:50]}, "must begin with left and right"),
+    ({"x_m": X[:50], "z_mm": X[:50]}, "shorter than 25 m")])
+def test_bad_files_are_refused(tmp_path, columns, words):
+    path = write_csv(tmp_path / "bad.csv", **columns)
+    ran = conftest.call("geometry", path, "-o", tmp_path / "out")
+    assert ran.returncode == 2 and words in ran.stderr
+
+
+def test_bed_has_no_path_of_a_wheel(tmp_path):
+    with pytest.raises(read.Unreadable, match="no path of a wheel"):
+        geometry.load(made.write(tmp_path / "bed"))
