@@ -46,6 +46,7 @@ constexpr std::array column_axes = {
     ColumnAxis{"history/region", "stress", none, "cell_component", of_cells},
     ColumnAxis{"history/region", "fabric", none, "cell_component", of_cells},
     ColumnAxis{"history/region", "", none, "cell", "x fastest, then y"},
+    ColumnAxis{"history/sensor", "stress", none, "stress_component", "xx yy zz xy xz yz"},
     ColumnAxis{"history", "attitude", none, "quaternion", "x y z w"},
     ColumnAxis{"history", "", none, "component", "x y z"},
     ColumnAxis{"envelope/ground", "", {"ground/x", ""}, "place", along},
@@ -133,6 +134,17 @@ std::vector<std::string> columns(const io::File& file, const std::string& group)
   return paths;
 }
 
+std::vector<std::string> histories(const io::File& file) {
+  std::vector<std::string> paths;
+  const auto add = [&](const std::string& group) {
+    for (std::string& path : columns(file, group)) paths.push_back(std::move(path));
+  };
+  for (const char* group : plain_histories) add(group);
+  for (const char* list : named_histories)
+    for (const std::string& group : members(file, list)) add(group);
+  return paths;
+}
+
 void set_axes_of_history(const par::Comm& comm, io::File& file, const std::string& path) {
   if (path == "history/time") return file.make_axis(path);
   const Place at(path);
@@ -150,14 +162,9 @@ void set_axes(const par::Comm& comm, io::File& file) {
   if (!file.has("history/time")) return;
   for (const char* path : {"history/time", "history/stage"})
     if (file.has(path)) set_axes_of_history(comm, file, path);
-  const auto of_group = [&](const std::string& group, const auto& set) {
-    for (const std::string& path : columns(file, group)) set(comm, file, path);
-  };
-  for (const char* group : plain_histories) of_group(group, set_axes_of_history);
-  for (const char* list : named_histories)
-    for (const std::string& group : members(file, list)) of_group(group, set_axes_of_history);
+  for (const std::string& path : histories(file)) set_axes_of_history(comm, file, path);
   for (const char* group : {"envelope/sleeper", "envelope/ground", "envelope/rail", "extreme/rail"})
-    of_group(group, set_axis_of_envelope);
+    for (const std::string& path : columns(file, group)) set_axis_of_envelope(comm, file, path);
 }
 
 }  // namespace trackbed::observe

@@ -22,9 +22,7 @@ constexpr std::array motions = {
 }  // namespace
 
 // The vertical component has no suffix, as for sleepers.
-void Results::Impl::set_ground_nodes(const std::vector<std::int32_t>& monitored,
-                                     Dimension dimension) {
-  nodes = monitored;
+void Results::Impl::set_ground_columns(Dimension dimension) {
   axes = dimension == Dimension::plane ? std::vector{2, 0} : std::vector{2, 0, 1};
   constexpr std::array ends = {"_x", "_y", ""};
   constexpr std::array words = {"along x, ", "along y, ", "vertical, "};
@@ -40,6 +38,7 @@ void Results::Impl::set_ground_nodes(const std::vector<std::int32_t>& monitored,
 // Only the owner of a node has its state, the other ranks add zero, so the sum is exact.
 void Results::Impl::sample_ground(const fem::Ground& solid) {
   const auto& owner = solid.top_owner();
+  const std::vector<std::int32_t>& nodes = recorded.nodes;
   std::vector<double> values(ground.size() * nodes.size(), 0.0);
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     if (owner[static_cast<std::size_t>(nodes[k])] != comm.rank()) continue;

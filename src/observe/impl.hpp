@@ -40,18 +40,20 @@ struct Results::Impl {
   template <class Self>
   static auto groups_of(Self& impl) {
     return std::array{&impl.energy, &impl.sleeper, &impl.ground, &impl.region, &impl.wall,
-                      &impl.platen, &impl.train,   &impl.solid,  &impl.placed};
+                      &impl.platen, &impl.train,   &impl.solid,  &impl.placed, &impl.sensor};
   }
   void append_to(io::File& file);  // the rows in memory
   void append_last_to(io::File& file) const;
   void sample_energy(const dem::Totals& totals);
   void sample_sleepers(const track::Sleepers* sleepers, std::span<const double> seat_force);
-  void set_ground_nodes(const std::vector<std::int32_t>& nodes, Dimension dimension);
+  bool records(std::string_view part) const;
+  void set_ground_columns(Dimension dimension);
   void sample_ground(const fem::Ground& ground);
   void sample_walls(std::span<const WallState> walls);
   void sample_solids(const SolidState& state);
   void sample_platen(const PlatenState& state);
   void sample_placed(const PlacedInstant& instant);
+  void sample_sensors(std::span<const SensorReading> readings);
   void sample_train(const TrainInstant& instant, std::size_t sleepers);
   void sample_regions(const dem::Particles& particles);
 
@@ -63,13 +65,13 @@ struct Results::Impl {
   bool has_twin = false;                  // a file that has all but the rows of the last flush
   std::vector<double> times, last_times;  // s, as `values` and `last` of columns
   std::vector<std::int64_t> stages, last_stages;
-  std::vector<std::int32_t> nodes;  // of the ground's top
-  std::vector<int> axes;            // of their motion, the vertical first
-  std::vector<Region> regions;
+  Recorded recorded;
+  std::vector<int> axes;  // of their motion, the vertical first
   std::vector<Column> energy, sleeper, ground;
   std::vector<Column> platen, train, solid;
   std::vector<Column> placed;  // totals of all stones and surfaces, then those of each
   std::vector<Column> wall;    // force and displacement of the first, then those of the next
+  std::vector<Column> sensor;  // as region
   std::vector<Column> region;  // those of the first region, then those of the next
 };
 

@@ -15,13 +15,16 @@ inline constexpr std::array plain_histories = {
     "history/rail",   "history/body",    "history/seat",   "history/solid",  "history/total"};
 
 inline constexpr std::array named_histories = {"history/region", "history/wall", "history/stone",
-                                               "history/surface"};
+                                               "history/surface", "history/sensor"};
 
 // Paths of the members of a group, sorted; none if there is no such group. Names are read from the
 // file, so that columns of other versions of the program are kept. Collective.
 std::vector<std::string> members(const io::File& file, const std::string& group);
 // Without the axes of the datasets.
 std::vector<std::string> columns(const io::File& file, const std::string& group);
+
+// All histories except time and stage.
+std::vector<std::string> histories(const io::File& file);
 
 // Gives a history, which must not have them yet, its axes (io::File::set_axis): time, and positions
 // or numbers of the columns, within its own group, where readers of netCDF look for them. The

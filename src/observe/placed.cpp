@@ -1,34 +1,10 @@
 // Histories of stones and surfaces that a deck places by name: the values that a row adds to the
 // columns.
-#include "observe/impl.hpp"
+#include "observe/column_writer.hpp"
 
 namespace trackbed::observe {
 
 namespace {
-
-// Columns are created at the first row and filled in the same order at each row.
-class ColumnWriter {
- public:
-  explicit ColumnWriter(std::vector<Column>& columns)
-      : columns_(columns), creates_(columns.empty()), next_(0) {}
-
-  void put(const std::string& path, const io::Label& label, std::span<const double> numbers) {
-    if (creates_) columns_.push_back({path, label, numbers.size()});
-    Column& column = columns_[next_++];
-    column.values.insert(column.values.end(), numbers.begin(), numbers.end());
-  }
-  void put(const std::string& path, const io::Label& label, double number) {
-    put(path, label, std::span<const double>(&number, 1));
-  }
-  void put(const std::string& path, const io::Label& label, const Vec3& value) {
-    put(path, label, std::span<const double>(value.data(), 3));
-  }
-
- private:
-  std::vector<Column>& columns_;
-  bool creates_;
-  std::size_t next_;
-};
 
 void put(ColumnWriter& to, const StoneInstant& stone) {
   const std::string group = "history/stone/" + stone.name + "/";

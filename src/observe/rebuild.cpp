@@ -48,13 +48,7 @@ void copy_histories(const par::Comm& comm, const io::File& from, io::File& to, s
   if (rows == 0) return;
   copy_history<double>(comm, from, to, "history/time", rows);
   copy_history<std::int64_t>(comm, from, to, "history/stage", rows);
-  for (const char* group : plain_histories)
-    for (const std::string& path : columns(from, group))
-      copy_history<double>(comm, from, to, path, rows);
-  for (const char* list : named_histories)
-    for (const std::string& one : members(from, list))
-      for (const std::string& path : columns(from, one))
-        copy_history<double>(comm, from, to, path, rows);
+  for (const std::string& path : histories(from)) copy_history<double>(comm, from, to, path, rows);
 }
 
 // By names of stages, not by time: a stage that was incomplete at the checkpoint has no snapshot.
@@ -69,19 +63,15 @@ void copy_snapshots(const io::File& from, io::File& to, const std::vector<std::s
 // Reads every number, each rank a fraction, so that damage is detected before any file is created
 // or removed.
 void read_through(const io::File& file) {
-  for (const char* group : plain_histories)
-    for (const std::string& path : columns(file, group)) file.read_own_rows<double>(path);
+  for (const std::string& path : histories(file)) file.read_own_rows<double>(path);
   for (const char* group : {"envelope/sleeper", "envelope/ground"})
     for (const std::string& path : columns(file, group)) file.read_own_rows<double>(path);
   for (const char* place : {"history/time", "sleepers/x", "ground/x", "bed/grading"})
     if (file.has(place)) file.read_own_rows<double>(place);
   if (file.has("history/stage")) file.read_own_rows<std::int64_t>("history/stage");
-  const auto read_all_of = [&](const char* list) {
+  for (const char* list : {"chains", "stones", "surface"})
     for (const std::string& one : members(file, list))
       for (const std::string& path : columns(file, one)) file.read_own_rows<double>(path);
-  };
-  for (const char* list : {"chains", "stones", "surface"}) read_all_of(list);
-  for (const char* list : named_histories) read_all_of(list);
 }
 
 // A resumed run replaces the file, so the user has to decide what becomes of it.

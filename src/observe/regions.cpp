@@ -1,5 +1,5 @@
 // Sums over stones and contacts in cells, bitwise identical for any distribution over ranks: terms
-// are kept, their range is agreed on, then they are added as integers (par/exact_totals.hpp).
+// are kept, their range is agreed on, then they are added as integers (observe/sums.hpp).
 // Cost: one pass over stones and contacts; points are used only for stones that a border cuts.
 #include "trackbed/observe/regions.hpp"
 
@@ -11,7 +11,7 @@
 #include <numeric>
 #include <optional>
 
-#include "trackbed/par/exact_totals.hpp"
+#include "observe/sums.hpp"
 
 namespace trackbed::observe {
 
@@ -25,6 +25,8 @@ enum Quantity : std::size_t {
   partners,
   contacts,
   force,
+  speed,
+  stone_force,
   stress,
   fabric = stress + 6,
   quantities = fabric + 6
@@ -38,25 +40,6 @@ Tensor symmetric(const Vec3& a, const Vec3& b) {
           (a.x() * b.z() + a.z() * b.x()) / 2,
           (a.y() * b.z() + a.z() * b.y()) / 2};
 }
-
-// Terms of this rank, then sums over all ranks.
-class Sums {
- public:
-  void add(std::size_t cell, std::size_t quantity, double term) {
-    terms_.push_back({cell * quantities + quantity, term});
-  }
-  void add(std::size_t cell, std::size_t quantity, const Tensor& term) {
-    for (std::size_t k = 0; k < 6; ++k) add(cell, quantity + k, term[k]);
-  }
-  // [cell * quantities + quantity]; one range per quantity. Collective.
-  std::vector<double> over_ranks(const par::Comm& comm, std::size_t cells) const {
-    return par::exact_totals(comm, {.sums = cells * quantities, .ranges = quantities},
-                             terms_.size(), [&](std::size_t k) { return terms_[k]; });
-  }
-
- private:
-  std::vector<par::ExactTerm> terms_;
-};
 
 // The interval [first, second] of a segment (0 to 1) within a part of space; first > second: none.
 using Interval = std::pair<double, double>;
@@ -224,7 +207,11 @@ void add_stones(const dem::Particles& particles, const Cells& cells, Sums& sums)
     images(particles.domain(), cells, stone.position - around, stone.position + around,
            [&](const Vec3& shift) {
              const Vec3 centre = stone.position + shift;
-             if (const auto cell = cells.at(centre)) sums.add(*cell, stones, 1);
+             if (const auto cell = cells.at(centre)) {
+               sums.add(*cell, stones, 1);
+               sums.add(*cell, speed, stone.velocity.norm());
+               sums.add(*cell, stone_force, stone.force.norm());
+             }
              if (const auto whole = cells.around(centre, reach)) {
                sums.add(*whole, solid, stone.volume), sums.add(*whole, mass, stone.mass);
                return;
@@ -283,6 +270,8 @@ Measurement measured_of(const double* sum, double volume) {
   m.coordination = mean(sum[partners], sum[stones]);
   m.contacts = sum[contacts];
   m.contact_force = mean(sum[force], sum[contacts]);
+  m.speed = mean(sum[speed], sum[stones]);
+  m.stone_force = mean(sum[stone_force], sum[stones]);
   for (std::size_t k = 0; k < 6; ++k) {
     m.stress[k] = sum[stress + k] / volume;
     m.fabric[k] = mean(sum[fabric + k], sum[contacts]);
@@ -309,7 +298,7 @@ void Region::declare(input::Section& s) {
   const bool whole =
       std::all_of(cells.begin(), cells.end(), [](double n) { return n == std::floor(n); });
   s.rule("cells", whole, "must be whole numbers");
-  // Each cell has 18 numbers in every row of the histories.
+  // Each cell has 22 numbers in every row of the histories.
   constexpr double most = 1e4;
   const double all = std::accumulate(cells.begin(), cells.end(), 1.0, std::multiplies<>());
   s.rule("cells", all <= most,
@@ -319,13 +308,18 @@ void Region::declare(input::Section& s) {
 std::vector<Measurement> measure(const par::Comm& comm, const dem::Particles& particles,
                                  const Region& region) {
   const Cells cells(region, particles.domain());
-  Sums sums;
+  Sums sums(quantities);
   add_stones(particles, cells, sums);
   add_contacts(particles, cells, sums);
   const std::vector<double> all = sums.over_ranks(comm, cells.count());
+  const std::vector<double> fastest = sums.largest(comm, cells.count(), speed);
+  const std::vector<double> strongest = sums.largest(comm, cells.count(), stone_force);
   std::vector<Measurement> measured;
-  for (std::size_t cell = 0; cell < cells.count(); ++cell)
+  for (std::size_t cell = 0; cell < cells.count(); ++cell) {
     measured.push_back(measured_of(&all[cell * quantities], cells.volume()));
+    measured.back().largest_speed = fastest[cell];
+    measured.back().largest_stone_force = strongest[cell];
+  }
   return measured;
 }
 

@@ -60,6 +60,11 @@ std::vector<Column> region_columns(const std::string& name) {
        {"-", "mean number of stones and surfaces that touch a stone with its centre in the cell"}},
       {group + "contacts", {"-", "number of contacts with their branch midpoint in the cell"}},
       {group + "contact_force", {"N", "mean magnitude of the contact forces"}},
+      {group + "speed", {"m/s", "mean of the stones with their centre in the cell"}},
+      {group + "largest_speed", {"m/s", "of these stones"}},
+      {group + "stone_force",
+       {"N", "mean magnitude of the sum of the contact forces on one of these stones"}},
+      {group + "largest_stone_force", {"N", "largest magnitude of this sum"}},
       {group + "stress", {"Pa", "Love-Weber, xx yy zz xy xz yz of each cell, tension positive"}},
       {group + "fabric", {"-", "mean n n^T of the contacts' normals, components as of stress"}}};
 }
@@ -96,23 +101,27 @@ Results::Results(Results&&) noexcept = default;
 
 std::int64_t Results::rows() const { return impl_->rows; }
 
+bool Results::Impl::records(std::string_view part) const {
+  return std::find(recorded.parts.begin(), recorded.parts.end(), part) != recorded.parts.end();
+}
+
 // Collective. Positions are written before the first row, so that a file without rows can be
 // plotted, too.
-void Results::begin(const Scene& scene, const std::vector<std::int32_t>& nodes,
-                    std::span<const double> sleeper_x, const std::vector<Region>& regions) {
+void Results::begin(const Scene& scene, const Recorded& recorded) {
   Impl& impl = *impl_;
+  impl.recorded = recorded;
   if (scene.stones) impl.energy = energy_columns();
-  impl.regions = regions;
-  for (const Region& region : regions)
+  for (const Region& region : recorded.regions)
     for (const Column& column : region_columns(region.name)) impl.region.push_back(column);
-  if (scene.ground) impl.set_ground_nodes(nodes, scene.particles.domain().dimension);
+  if (scene.ground) impl.set_ground_columns(scene.particles.domain().dimension);
   // The columns above are needed in any case; header and positions are already in a resumed file.
   if (impl.resumed) return;
   impl.begin_file();
   std::vector<double> x;
   if (scene.ground)
-    for (const std::int32_t n : impl.nodes)
+    for (const std::int32_t n : recorded.nodes)
       x.push_back(scene.ground->top().position[static_cast<std::size_t>(n)].x());
+  const std::span<const double> sleeper_x = recorded.sleeper_x;
   const bool root = impl.comm.root();
   impl.replace([&](io::File& file) {
     if (!x.empty())
@@ -130,15 +139,18 @@ void Results::sample(const Scene& scene, const Instant& instant) {
   Impl& impl = *impl_;
   impl.times.push_back(instant.time);
   impl.stages.push_back(instant.stage);
-  if (scene.stones) impl.sample_energy(scene.particles.totals());
-  if (!instant.seat_force.empty()) impl.sample_sleepers(scene.sleepers, instant.seat_force);
-  if (scene.ground) impl.sample_ground(*scene.ground);
-  impl.sample_walls(instant.walls);
-  if (instant.platen) impl.sample_platen(*instant.platen);
-  if (instant.train) impl.sample_train(*instant.train, instant.seat_force.size());
-  if (instant.solids) impl.sample_solids(*instant.solids);
-  if (instant.placed) impl.sample_placed(*instant.placed);
-  impl.sample_regions(scene.particles);
+  if (scene.stones && impl.records("energy")) impl.sample_energy(scene.particles.totals());
+  if (!instant.seat_force.empty() && impl.records("sleeper"))
+    impl.sample_sleepers(scene.sleepers, instant.seat_force);
+  if (scene.ground && impl.records("ground")) impl.sample_ground(*scene.ground);
+  if (impl.records("wall")) impl.sample_walls(instant.walls);
+  if (instant.platen && impl.records("platen")) impl.sample_platen(*instant.platen);
+  if (instant.train && impl.records("train"))
+    impl.sample_train(*instant.train, instant.seat_force.size());
+  if (instant.solids && impl.records("solid")) impl.sample_solids(*instant.solids);
+  if (instant.placed && impl.records("stone")) impl.sample_placed(*instant.placed);
+  if (impl.records("region")) impl.sample_regions(scene.particles);
+  if (impl.records("sensor")) impl.sample_sensors(instant.sensors);
   ++impl.rows;
   if (impl.times.size() >= rows_in_memory) flush();
 }
@@ -329,7 +341,7 @@ void Results::Impl::sample_sleepers(const track::Sleepers* sleepers,
 // In the order of region_columns.
 void Results::Impl::sample_regions(const dem::Particles& particles) {
   auto column = region.begin();
-  for (const Region& one : regions) {
+  for (const Region& one : recorded.regions) {
     const std::vector<Measurement> cells = measure(comm, particles, one);
     const auto put = [&](std::size_t numbers, const auto& of) {
       column->width = cells.size() * numbers;
@@ -341,7 +353,9 @@ void Results::Impl::sample_regions(const dem::Particles& particles) {
     };
     for (const auto figure :
          {&Measurement::porosity, &Measurement::bulk_density, &Measurement::stones,
-          &Measurement::coordination, &Measurement::contacts, &Measurement::contact_force})
+          &Measurement::coordination, &Measurement::contacts, &Measurement::contact_force,
+          &Measurement::speed, &Measurement::largest_speed, &Measurement::stone_force,
+          &Measurement::largest_stone_force})
       put(1, [&](const Measurement& cell) { return &(cell.*figure); });
     for (const auto tensor : {&Measurement::stress, &Measurement::fabric})
       put(6, [&](const Measurement& cell) { return (cell.*tensor).data(); });

@@ -12,7 +12,7 @@ import numpy as np
 import xarray
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from program import Program  # noqa: E402
+from program import Program, expect  # noqa: E402
 
 # Of solids only what is written soon.
 SOLIDS = ["ground.present=false", "stage.compact.duration=0.02", "stage.load.duration=0.01",
@@ -82,13 +82,27 @@ def check(path, dimensions):
     return arrays
 
 
+# Changes at a resume that would need columns to begin or to end within the run.
+OTHER_ROWS = {
+    'region=[{name="below", x=[0.2,1.0], z=[0,0.15], cells=[3,1,2]}, {name="new"}]':
+        'region[1].name = "new"',
+    'sensor=[{name="stone", at=[0.5,0,0.1]}]': "whose histories go on; leave it in the deck",
+    'output.histories=["energy"]': "were chosen at the start"}
+
+
 def check_resume(program, deck, folder):
     """Labels after a stop and a resume; axes have the values of time and positions."""
     dims = {"history/sleeper/displacement": ("time", "x"),
             "history/region/below/porosity": ("time", "cell"),
             "history/region/below/stress": ("time", "cell_component"),
-            "history/region/below/fabric": ("time", "cell_component")}
+            "history/region/below/fabric": ("time", "cell_component"),
+            "history/sensor/stone/displacement": ("time", "component"),
+            "history/sensor/stone/stones": ("time",),
+            "history/sensor/soil/stress": ("time", "stress_component")}
     program.done(2, "run", deck, "output.stop_after=700", "-o", folder, code=3)
+    for change, sentence in OTHER_ROWS.items():
+        ran = program.done(1, "resume", folder, "-o", folder / "other", change, code=2)
+        expect(sentence in ran.stderr, f"no sentence on {change}", ran)
     program.done(1, "resume", folder)
     arrays = check(folder / "results.h5", dims)
     with h5py.File(folder / "results.h5", "r") as file:

@@ -5,8 +5,8 @@
 
 CHECKPOINT: a file, or a folder for all of its checkpoints. No single one has every part of a model:
 the platen exists during compaction, the settlement during load cycles, walls where no side is
-periodic. Numbered names (sleeper_0, sleeper_1 ...) are one row with N. Every dataset needs unit and
-meaning.
+periodic. Numbered names (sleeper_0, sleeper_1 ...) are one row with N, those of sensors one with
+NAME. Every dataset needs unit and meaning.
 """
 import pathlib
 import re
@@ -26,7 +26,7 @@ def rows_of(checkpoints):
     for datasets in checkpoints:
         for path, item in datasets.items():
             shape = item.values.shape
-            name = re.sub(r"\d+", "N", path)
+            name = re.sub(r"\d+", "N", re.sub("^sensors/[^/]+/", "sensors/NAME/", path))
             columns.setdefault(name, set()).add(shape[1] if len(shape) > 1 else 1)
             label = (str(item.values.dtype), item.unit, item.meaning)
             if described.setdefault(name, label) != label:

@@ -185,6 +185,20 @@ struct GroundTotals {
   std::vector<double> newton_residuals = {};
 };
 
+// A place in the ground at rest: the element that contains it and its natural coordinates there.
+struct GroundPoint {
+  Id element = -1;  // -1: outside of the ground
+  Vec3 xi = Vec3::Zero();
+};
+
+// At such a place: motion by the element's shape functions; stress at the element's centre, Pa,
+// xx yy zz xy xz yz, tension positive. Both are changes since static equilibrium.
+struct GroundPointState {
+  Vec3 displacement = Vec3::Zero(), velocity = Vec3::Zero();  // m, m/s
+  Vec3 acceleration = Vec3::Zero();                           // m/s^2
+  std::array<double, 6> stress{};
+};
+
 class Ground {
  public:
   // plane: elements_y = 1, y is within +-thickness/2, and both faces have the same displacement.
@@ -256,6 +270,10 @@ class Ground {
     Vec3 displacement, velocity, acceleration;  // m, m/s, m/s^2
   };
   TopMotion top_motion(std::int32_t node) const;
+  // Of each place, m; y is not used in a plane. Bitwise the same on any number of ranks with an
+  // explicit ground. Collective, as states_at.
+  std::vector<GroundPoint> locate(std::span<const Vec3> places) const;
+  std::vector<GroundPointState> states_at(std::span<const GroundPoint> points) const;
   // kg, lumped; divided evenly among the nodes of the surface with the same motion, that is the two
   // faces of a plane model and the ends of a periodic one.
   double top_mass(std::int32_t node) const;

@@ -16,8 +16,9 @@
 #include "trackbed/model/pressures.hpp"
 #include "trackbed/model/solid.hpp"
 #include "trackbed/model/track_model.hpp"
-#include "trackbed/observe/field_parts.hpp"
+#include "trackbed/observe/output_parts.hpp"
 #include "trackbed/observe/regions.hpp"
+#include "trackbed/observe/sensors.hpp"
 #include "trackbed/track/on_bed.hpp"
 #include "trackbed/track/sleepers.hpp"
 
@@ -90,6 +91,7 @@ struct Output : RunOutput {
   bool fields = false;         // write fields for ParaView at the end of each stage
   double fields_interval = 0;  // s between them within a stage; 0: only at its end
   std::vector<std::string> fields_parts{observe::field_parts.begin(), observe::field_parts.end()};
+  std::vector<std::string> histories{observe::history_parts.begin(), observe::history_parts.end()};
   bool ground_extremes = false;  // keep extremes of the ground's stress over each stage
   double surface_cell = 0.05;    // m, of the heights of the bed at the end of each stage
   void declare(input::Section& s);
@@ -151,6 +153,7 @@ struct Model {
   bed::TampingParameters tamping;
   Output output;
   std::vector<observe::Region> regions;
+  std::vector<observe::Sensor> sensors;
   TimeParameters time;
   std::vector<Stage> stages;
   TrackModel track;

@@ -36,8 +36,12 @@ struct Measurement {
   double coordination = 0;   // mean number of stones and surfaces in contact with such a stone
   double contacts = 0;       // number of contacts whose branch midpoint is in it
   double contact_force = 0;  // N, mean magnitude
-  Tensor stress{};           // Pa, tension positive
-  Tensor fabric{};           // mean n n^T of these contacts (Satake 1982); trace 1
+  // Of the stones with their centre in it: speed of the centre, m/s, and magnitude of the sum of
+  // the contact forces on a stone, N.
+  double speed = 0, largest_speed = 0;
+  double stone_force = 0, largest_stone_force = 0;
+  Tensor stress{};  // Pa, tension positive
+  Tensor fabric{};  // mean n n^T of these contacts (Satake 1982); trace 1
 };
 
 // The cells of the region, x fastest, then y. Bitwise identical on any number of ranks. Stones cut

@@ -13,7 +13,9 @@
 #include "trackbed/fem/bodies.hpp"
 #include "trackbed/fem/ground.hpp"
 #include "trackbed/io/file.hpp"
+#include "trackbed/observe/output_parts.hpp"
 #include "trackbed/observe/regions.hpp"
+#include "trackbed/observe/sensors.hpp"
 #include "trackbed/par/comm.hpp"
 #include "trackbed/track/on_bed.hpp"
 #include "trackbed/track/sleepers.hpp"
@@ -93,6 +95,15 @@ struct PlacedInstant {
   std::int64_t contacts = 0;
 };
 
+// What the histories contain.
+struct Recorded {
+  std::vector<std::int32_t> nodes = {};  // of the ground's top, see monitored_nodes
+  std::vector<double> sleeper_x = {};    // m, also before the sleepers are placed
+  std::vector<Region> regions = {};
+  std::vector<Sensor> sensors = {};
+  std::vector<std::string> parts{history_parts.begin(), history_parts.end()};
+};
+
 // The instant of a history row.
 struct Instant {
   double time = 0;                        // s
@@ -103,6 +114,7 @@ struct Instant {
   const TrainInstant* train = nullptr;    // null: none in this run
   const SolidState* solids = nullptr;     // null: none in this run
   const PlacedInstant* placed = nullptr;  // null: none in this run
+  std::span<const SensorReading> sensors = {};
 };
 
 struct About {
@@ -142,10 +154,8 @@ class Results {
   void resume(const std::string& old_path, std::int64_t rows,
               const std::vector<std::string>& finished);
 
-  // Creates the file (unless resumed) and defines the columns of the histories. `nodes`: of the
-  // ground's top, see monitored_nodes; `sleeper_x`: m, also before the sleepers are placed.
-  void begin(const Scene& scene, const std::vector<std::int32_t>& nodes,
-             std::span<const double> sleeper_x, const std::vector<Region>& regions);
+  // Creates the file (unless resumed) and defines the columns of the histories.
+  void begin(const Scene& scene, const Recorded& recorded);
   void sample(const Scene& scene, const Instant& instant);
   std::int64_t rows() const;
   // Present contact network, stones and surface of the bed (cells of `cell` m; 0: no bed), in the
@@ -160,7 +170,7 @@ class Results {
   std::unique_ptr<Impl> impl_;
 };
 
-// Where and when fields are written, and which (field_parts.hpp).
+// Where and when fields are written, and which (output_parts.hpp).
 struct FieldFiles {
   std::string folder, name;
   double time = 0;  // s, of the run

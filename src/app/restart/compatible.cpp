@@ -60,8 +60,11 @@ class FixedParameters {
     std::string path = key;
     if (const std::size_t open = key.find('['); open != key.npos)
       path.erase(open + 1, key.find(']') - open - 1);
-    const auto found = parts_.find(path);
-    return found == parts_.end() ? input::state::any : found->second;
+    if (const auto found = parts_.find(path); found != parts_.end()) return found->second;
+    // An empty list ("region = []") has no rows that could differ; rows are compared one by one.
+    const auto row = parts_.lower_bound(path + "[].");
+    return row != parts_.end() && row->first.starts_with(path + "[].") ? input::state::none
+                                                                       : input::state::any;
   }
 
  private:
@@ -117,6 +120,7 @@ Values defaults_of(const std::string& kind) {
   }
   model.ground.layers.resize(1), model.ground.blocks.resize(1), model.ground.solids.resize(1);
   model.ground.borders.resize(1), model.ground.sections.resize(1);
+  model.sensors.resize(1);
   model.track.vehicles.resize(1), model.track.line.track.zones.resize(1);
   model.track.passage.forces.resize(1);
   return values_of(model::effective_deck(model));

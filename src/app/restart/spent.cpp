@@ -76,6 +76,10 @@ std::string why_spent(std::string_view key, const model::Model& model, const Pos
     return next < model.stages.size() ? "" : "the steps of the last stage are already chosen";
   if (at.same_run && key.starts_with("region["))
     return "the histories of this run contain this region as it was defined at the start";
+  if (at.same_run && key.starts_with("sensor["))
+    return "the histories of this run contain this sensor as it was defined at the start";
+  if (at.same_run && key == "output.histories")
+    return "the parts whose histories this run contains were chosen at the start";
   if (!key.starts_with("stage[")) return "";
   const std::size_t number = std::stoul(std::string(key.substr(6)));
   if (number < at.stage) return "this stage is over";
@@ -113,6 +117,22 @@ Values renumbered(const Values& then, const model::Model& model) {
   return values;
 }
 
+// Regions and sensors that only one of both decks has: the columns of the histories of a run cannot
+// begin or end within it.
+std::vector<std::string> other_rows_of_histories(const Values& then, const Values& now,
+                                                 const std::string& path) {
+  std::vector<std::string> sentences;
+  const auto only_in = [&](const Values& one, const Values& other, const char* sentence) {
+    for (const auto& [key, value] : one)
+      if ((key.starts_with("region[") || key.starts_with("sensor[")) && key.ends_with("].name") &&
+          !other.contains(key))
+        sentences.push_back(fmt::format("{} = {}: {} {}", key, value, path, sentence));
+  };
+  only_in(now, then, "is of a run without it, whose histories cannot begin now; leave it out");
+  only_in(then, now, "is of a run with it, whose histories go on; leave it in the deck");
+  return sentences;
+}
+
 }  // namespace
 
 std::vector<std::string> spent_changes(const par::Comm& comm, const io::File& checkpoint,
@@ -125,6 +145,7 @@ std::vector<std::string> spent_changes(const par::Comm& comm, const io::File& ch
   const Values now = values_of(effective);
   const Position at = position_of(checkpoint, path, model, deck, goes_on);
   std::vector<std::string> sentences;
+  if (at.same_run) sentences = other_rows_of_histories(then, now, path);
   for (const auto& [key, value] : now) {
     const auto old = then.find(key);
     if (old == then.end() || old->second == value || !deck.sets(key)) continue;

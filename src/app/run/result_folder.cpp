@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "trackbed/core/error.hpp"
-#include "trackbed/observe/field_parts.hpp"
+#include "trackbed/observe/output_parts.hpp"
 
 namespace trackbed::app {
 

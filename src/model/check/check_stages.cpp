@@ -17,6 +17,7 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
   StageActions actions(world, model);
   say_model(world, given.name);
   if (!given.ground.empty()) say(comm, given.ground);
+  if (world.ground) observe::Sensors(comm, model.sensors, model.dem.gravity).locate(*world.ground);
   // After a start from a checkpoint the remaining work depends on stones that only a run loads.
   if (!model.has_stones()) {
     for (const std::string& line : estimate_alone(world)) say(comm, line);

@@ -15,7 +15,7 @@
 #include "model/rules/limits.hpp"
 #include "model/rules/placed_rules.hpp"
 #include "model/rules/rules.hpp"
-#include "trackbed/observe/field_parts.hpp"
+#include "trackbed/observe/output_parts.hpp"
 
 namespace trackbed::model {
 
@@ -27,6 +27,8 @@ constexpr double most_cycles = 1e6;
 constexpr const char* footing_meaning =
     "Footprints of the sleepers on the ground (model = \"track_on_ground\").";
 constexpr const char* output_meaning = "What is written, and when the run stops early.";
+constexpr const char* sensor_meaning =
+    "Sensors in the bed and in the ground, read at each row of the histories.";
 constexpr const char* pressure_meaning =
     "Uniform pressures on rectangles of the top of the ground (model = \"ground\").";
 constexpr double margin_beside_floor = 0.25;  // m
@@ -221,15 +223,22 @@ void Output::declare(input::Section& s) {
       "Parts of the model whose fields are written: any of stones, contacts, ground, solids, "
       "surfaces (sleepers, walls, plates, boxes, platen) and train (rail and wheels over a bed). "
       "Needs fields = true.");
-  const auto known = [](const std::string& part) {
-    return std::find(observe::field_parts.begin(), observe::field_parts.end(), part) !=
-           observe::field_parts.end();
+  const auto only = [&](const char* key, const std::vector<std::string>& given, const auto& known) {
+    const bool all = std::all_of(given.begin(), given.end(), [&](const std::string& part) {
+      return std::find(known.begin(), known.end(), part) != known.end();
+    });
+    s.rule(key, all, fmt::format("may contain only {}", fmt::join(known, ", ")));
   };
-  s.rule("fields_parts", std::all_of(fields_parts.begin(), fields_parts.end(), known),
-         fmt::format("may contain only {}", fmt::join(observe::field_parts, ", ")));
+  only("fields_parts", fields_parts, observe::field_parts);
   s.rule("fields_parts", fields || fields_parts == Output{}.fields_parts,
          "has no effect without fields = true",
          {.severity = input::Severity::warning, .reads = {"fields", "fields_parts"}});
+  s.texts("histories", histories,
+          "Parts of the model whose histories are written: any of energy, sleeper, ground, region, "
+          "wall, platen, train (wheels, rail, vehicles, seats), solid (solid sleepers), sensor and "
+          "stone (placed stones, plates and boxes). Without sleeper or ground their envelopes are "
+          "missing, too.");
+  only("histories", histories, observe::history_parts);
   s.flag("ground_extremes", ground_extremes,
          "Whether the ground's fields include running extremes of the element stresses, updated at "
          "each history row and field file while the ground moves. If a resume within a stage "
@@ -272,11 +281,13 @@ void Model::declare_ground_alone(input::Section& s) {
   s.table("ground", ground, "The continuum below the bed.");
   s.tables("pressure", pressures, pressure_meaning);
   s.table("output", output, output_meaning);
+  s.tables("sensor", sensors, sensor_meaning);
   s.tables("stage", stages, "The stages of the run, one after the other.");
   time.rough_step = time.rough_window = input::unbounded;
   s.table("time", time, "Time steps.");
   declare_stages_alone(*this, s);
   declare_pressures(*this, s);
+  declare_sensors(*this, s);
 }
 
 void Model::declare_space(input::Section& s) {
@@ -367,6 +378,7 @@ void Model::declare_bed(input::Section& s) {
   }
   s.table("output", output, output_meaning);
   s.tables("region", regions, "Regions in which stones are measured at each row of the histories.");
+  s.tables("sensor", sensors, sensor_meaning);
   s.tables("stage", stages, "The stages of the run, one after the other.");
   declare_rules(*this, s);
 }

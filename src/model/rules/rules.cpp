@@ -366,6 +366,7 @@ void declare_rules(const Model& model, input::Section& s) {
   declare_sleepers(model, s);
   declare_passages(model, s);
   declare_regions(model, s);
+  declare_sensors(model, s);
   declare_oddities(model, s);
   declare_steadiness(model, has_corners(model.bed), s);
   declare_skin_of_bed(model, s);

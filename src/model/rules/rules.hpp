@@ -33,6 +33,8 @@ void declare_uses_of_stages(const Model& model, input::Section& s);
 void declare_names_of_pressures(const Model& model, input::Section& s);
 void declare_names_of_placed(const Model& model, input::Section& s);
 void declare_regions(const Model& model, input::Section& s);
+// Names of sensors, and whether there can be something to read at their places.
+void declare_sensors(const Model& model, input::Section& s);
 // Which layers of the bed are poured, and whether its outline is possible.
 void declare_layers(const Model& model, input::Section& s);
 void declare_profile(const Model& model, input::Section& s);

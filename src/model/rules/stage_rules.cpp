@@ -4,6 +4,7 @@
 // An impossible order is an error; a parameter that its stage does not use gives a warning: most
 // often it was meant for another stage.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -205,6 +206,24 @@ std::string_view sticks_out(const Model& model, const observe::Region& region) {
   return {};
 }
 
+// Where a place is outside of a ground of boxes, or empty.
+std::string outside_of_layers(const Model& model, const std::vector<double>& at) {
+  const fem::GroundParameters& ground = model.ground;
+  if (ground.of_tetrahedra() || at.size() != 3 || ground.x.size() != 2 || ground.y.size() != 2)
+    return "";
+  double depth = 0;
+  for (const fem::Layer& layer : ground.layers) depth += layer.thickness;
+  const auto beyond = [&](std::size_t axis, const char* name, double low, double high) {
+    return at[axis] >= low && at[axis] <= high
+               ? std::string()
+               : fmt::format("is outside of the ground ({}: {:g} to {:g} m)", name, low, high);
+  };
+  std::string words = beyond(0, "x", ground.x[0], ground.x[1]);
+  if (words.empty() && model.dimension == Dimension::space)
+    words = beyond(1, "y", ground.y[0], ground.y[1]);
+  return words.empty() ? beyond(2, "z", -depth, 0) : words;
+}
+
 }  // namespace
 
 // Checkpoints, overrides and a start refer to stages by name.
@@ -272,6 +291,39 @@ void declare_regions(const Model& model, input::Section& s) {
            axis.empty() || !apart.words.empty(),
            "reaches beyond the bed: the volume outside counts as voids",
            {.severity = input::Severity::warning, .reads = {key, "bed", "dimension", "periodic"}});
+  }
+}
+
+// The elements of embankments and mesh files are searched when the ground is made.
+void declare_sensors(const Model& model, input::Section& s) {
+  declare_names("sensor", "sensors", model.sensors, {.reads = {"sensor"}}, s);
+  for (std::size_t i = 0; i < model.sensors.size(); ++i) {
+    const observe::Sensor& sensor = model.sensors[i];
+    const std::string key = fmt::format("sensor[{}]", i);
+    const bool in_ground = sensor.kind == observe::SensorKind::ground;
+    s.rule(key + ".kind", !in_ground || model.ground.present,
+           "is a point of the ground, but the model has none", {.reads = {key, "ground"}});
+    s.rule(key + ".kind", in_ground || model.has_stones(),
+           "must be \"ground\": the model has no stones", {.reads = {key}});
+    if (in_ground) {
+      const std::string outside = outside_of_layers(model, sensor.at);
+      s.rule(key + ".at", outside.empty(), outside, {.reads = {key, "ground", "dimension"}});
+      continue;
+    }
+    std::vector<std::string> names;
+    for (const Stage& stage : model.stages) names.push_back(stage.name);
+    const bool known =
+        sensor.stage.empty() || std::find(names.begin(), names.end(), sensor.stage) != names.end();
+    s.rule(key + ".stage", known, fmt::format("is none of the stages: {}", fmt::join(names, ", ")),
+           {.reads = {key, "stage"}});
+    if (sensor.at.size() != 3 || model.bed.x.size() != 2 || model.bed.y.size() != 2) continue;
+    observe::Region around;
+    around.kind = observe::RegionKind::sphere;
+    around.centre = sensor.at;
+    around.radius = std::max(sensor.radius, 1e-9);
+    const Apart apart = beside_the_bed(model, around);
+    s.rule(key + ".at", apart.words.empty(), apart.words,
+           {.reads = {key, "bed", "dimension", "periodic"}});
   }
 }
 

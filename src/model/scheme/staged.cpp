@@ -38,11 +38,14 @@ StagedScheme::StagedScheme(RunContext& run, const std::vector<bed::PlacedShape>&
                {.deck = effective_deck(model_),
                 .version = version(),
                 .build = build_description(),
-                .grading = model_.has_one_grading() ? model_.bed.grading_table()
-                                                    : std::vector<double>{}}) {
+                .grading =
+                    model_.has_one_grading() ? model_.bed.grading_table() : std::vector<double>{}}),
+      sensors_(comm_, model_.sensors, model_.dem.gravity) {
   if (world_.placement) world_.placement->give_shapes(shapes);
   world_.particles.time_with(run_.timers);
-  if (world_.ground) world_.ground->time_with(run_.timers);
+  if (!world_.ground) return;
+  world_.ground->time_with(run_.timers);
+  sensors_.locate(*world_.ground);
 }
 
 double StagedScheme::begin_of_window() const {
@@ -188,11 +191,14 @@ void StagedScheme::average_support(double dt) {
 
 void StagedScheme::start() {
   say_model(world_, run_.name);
+  observe::Recorded recorded{.nodes = world_.watched,
+                             .regions = model_.regions,
+                             .sensors = model_.sensors,
+                             .parts = model_.output.histories};
   // Present or future positions of sleepers: their number is the width of their histories.
-  std::vector<double> sleeper_x;
   for (std::size_t i = 0; world_.sleepers && i < world_.sleepers->count(); ++i)
-    sleeper_x.push_back(world_.sleepers->x(i));
-  results_.begin(world_.scene(), world_.watched, sleeper_x, model_.regions);
+    recorded.sleeper_x.push_back(world_.sleepers->x(i));
+  results_.begin(world_.scene(), recorded);
 }
 
 double StagedScheme::duration_of_later_stages() const {
@@ -223,6 +229,10 @@ bool StagedScheme::begin_stage() {
   const double time = run_.course.clock.time();
   if (!settle_ground()) return false;
   actions_.begin(present());
+  const bool usual =
+      model_.has_stage(StageKind::passage) ? is_last_passage() : run_.course.stage + 1 == stages();
+  for (const std::string& warning : sensors_.begin_stage(present().name, usual, world_.particles))
+    run_.warn(warning);
   begin_extremes();
   run_.course.steps = choose_steps(world_, step_of(world_), present(), run_.deck);
   if (present().kind == StageKind::fill && !model_.bed.cell.empty())

@@ -65,6 +65,7 @@ class StagedScheme final : public Scheme {
   World world_;
   StageActions actions_;
   observe::Results results_;
+  observe::Sensors sensors_;
   std::vector<double> seat_force_;  // N, in the last window
   std::vector<Vec3> load_;          // N, of pressures on the top, in the last window
   SpeedCounters measured_;          // counters at the start of the last stage

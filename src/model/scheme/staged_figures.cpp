@@ -118,6 +118,10 @@ Json region_list(const FigureInput& run) {
                        {"coordination", m.coordination},
                        {"contacts", m.contacts},
                        {"contact_force_n", m.contact_force},
+                       {"speed_m_s", m.speed},
+                       {"largest_speed_m_s", m.largest_speed},
+                       {"stone_force_n", m.stone_force},
+                       {"largest_stone_force_n", m.largest_stone_force},
                        {"stress_pa", m.stress},
                        {"fabric", m.fabric}});
     list.push_back({{"name", region.name}, {"cells", cells}});

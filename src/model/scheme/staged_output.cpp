@@ -84,6 +84,9 @@ void StagedScheme::sample() {
   const observe::PlacedInstant placed =
       world_.placement ? world_.placement->instant(world_.particles, run_.course.clock.time())
                        : observe::PlacedInstant{};
+  const std::vector<observe::SensorReading> sensors =
+      sensors_.empty() ? std::vector<observe::SensorReading>{}
+                       : sensors_.read(world_.particles, world_.ground ? &*world_.ground : nullptr);
   results_.sample(world_.scene(), {.time = run_.course.clock.time(),
                                    .stage = static_cast<std::int64_t>(run_.course.stage),
                                    .seat_force = seat_force_,
@@ -91,7 +94,8 @@ void StagedScheme::sample() {
                                    .platen = model_.uses_platen() ? &platen : nullptr,
                                    .train = model_.has_train() ? &train : nullptr,
                                    .solids = world_.solids ? &solids : nullptr,
-                                   .placed = world_.placement ? &placed : nullptr});
+                                   .placed = world_.placement ? &placed : nullptr,
+                                   .sensors = sensors});
 }
 
 void StagedScheme::summarize(nlohmann::ordered_json& summary) {

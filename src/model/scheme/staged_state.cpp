@@ -103,6 +103,7 @@ void StagedScheme::archive(io::Archive& a) {
     if (a.reads()) world_.placement->update(run_.course.clock.time(), 0);
   }
   actions_.archive(a, run_.course.steps.window);
+  a.part("sensors", sensors_);
   archive_surfaces(a, world_);
   if (a.reads() && world_.platen) world_.platen->set_area(world_.walls.area());
 }

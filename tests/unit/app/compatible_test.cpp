@@ -65,6 +65,7 @@ model::Model model_with_rows(model::ModelKind kind) {
   model.set_kind(kind);
   model.physics.materials.resize(1), model.physics.laws.resize(1);
   model.pressures.resize(1), model.stages.resize(1), model.regions.resize(1);
+  model.sensors.resize(1);
   model.placed.stones.resize(2), model.placed.plates.resize(1), model.placed.boxes.resize(1);
   model.bed.layers.resize(2);
   model.ground.layers.resize(1), model.ground.blocks.resize(1), model.ground.solids.resize(1);

@@ -204,7 +204,8 @@ TEST(Regions, AreBitwiseIdenticalOnAnyRanks) {
     std::vector<double> list;
     for (const observe::Measurement& m : observe::measure(comm, particles, region)) {
       list.insert(list.end(), {m.porosity, m.bulk_density, m.stones, m.coordination, m.contacts,
-                               m.contact_force});
+                               m.contact_force, m.speed, m.largest_speed, m.stone_force,
+                               m.largest_stone_force});
       list.insert(list.end(), m.stress.begin(), m.stress.end());
       list.insert(list.end(), m.fabric.begin(), m.fabric.end());
     }
@@ -213,10 +214,10 @@ TEST(Regions, AreBitwiseIdenticalOnAnyRanks) {
   const std::vector<double> alone = values(par::Comm::self()), shared = values(par::Comm::world());
   EXPECT_EQ(alone, shared);
   double contacts = 0;
-  for (std::size_t k = 4; k < alone.size(); k += 18) {
+  for (std::size_t k = 4; k < alone.size(); k += 22) {
     contacts += alone[k];
     // Normals of corners, edges and faces alike have unit length.
-    const double* fabric = &alone[k + 8];
+    const double* fabric = &alone[k + 12];
     if (alone[k] > 0) {
       EXPECT_NEAR(fabric[0] + fabric[1] + fabric[2], 1, rounding);
     }
@@ -305,12 +306,18 @@ TEST(Regions, PartnersWithTwoContactsCountOnce) {
   pair[1].id = 1;
   for (dem::NewParticle& stone : pair) stone.scale = 1;
   pair[1].position = {0, 0, 2 * r - 1e-4};
+  pair[0].velocity = {0.3, 0, 0}, pair[1].velocity = {0, 0.1, 0};
   stones.add(test::mine(world, pair));
   stones.advance(1e-12, 1);
   const auto all = box({-0.5, 0.5}, {-0.5, 0.5}, {-0.5, 0.5});
   const observe::Measurement m = observe::measure(world, stones, all).at(0);
   EXPECT_EQ(m.contacts, 2);
   EXPECT_NEAR(m.coordination, 1, rounding);
+  EXPECT_NEAR(m.speed, 0.2, 1e-9);  // changed by forces of 200 N in 1e-12 s by 1e-10 m/s
+  EXPECT_NEAR(m.largest_speed, 0.3, 1e-9);
+  const double force = 2 * k_n * 1e-4;  // on each, of two contacts
+  EXPECT_NEAR(m.stone_force, force, 1e-6 * force);
+  EXPECT_NEAR(m.largest_stone_force, force, 1e-6 * force);
 }
 
 // The volume fraction of a spherical cap of height h = z + r: h^2 (3 r - h)/(4 r^3).

@@ -25,7 +25,7 @@ struct Model {
         particles(par::Comm::world(), test::one_material({}, 2500), {},
                   test::box(Vec3::Constant(-1), Vec3::Constant(1))),
         results(par::Comm::world(), path, {.deck = "title = \"rows\"", .version = "0"}) {
-    results.begin(scene(), {}, {}, {});
+    results.begin(scene(), {});
   }
   Scene scene() const { return {.particles = particles, .stones = false}; }
   void sample(int rows) {
