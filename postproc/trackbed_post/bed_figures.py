@@ -18,7 +18,7 @@ def needs(holds, what):
 
 def regions(runs):
     """Quantities in the deck's regions over the run; the mean over the cells of a region."""
-    needs(all(run.regions for run in runs), "the deck defines no regions")
+    needs(all(run.regions for run in runs), "the results contain no regions")
     shown = (("porosity", "porosity", 1.0), ("coordination", "coordination number", 1.0),
              ("stress", "vertical compression (kPa)", -1e-3))
     figure, panels = plt.subplots(len(shown), 1, sharex=True, figsize=(9, 8))

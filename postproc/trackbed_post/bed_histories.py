@@ -55,7 +55,7 @@ def unbroken(angle):
 def stress_paths(runs):
     """Of each region in the passage: deviatoric over mean stress, and the direction of the largest
     compression; means over the cells of a region."""
-    needs(all(run.regions for run in runs), "the deck defines no regions")
+    needs(all(run.regions for run in runs), "the results contain no regions")
     plane = runs[0].deck.get("dimension") == "plane"
     figure, (path, turn) = plt.subplots(1, 2, figsize=(11, 5))
     for run, style in zip(runs, STYLES):

@@ -143,7 +143,7 @@ def why_no_envelope(results):
             "the run was stopped before it" if results.asks_for_passage() else
             "the deck has no stage of kind passage")
     return "" if {"displacement_min", "sigma_z_min"} <= results.ground_envelope.keys() \
-        else f"{results.name} has no ground"
+        else f"{results.name} has no ground, or no history of it"
 
 
 def why_no_transition(results):
