@@ -83,8 +83,8 @@ def stress_paths(runs):
 
 
 def support(runs):
-    """Reaction of the stones over the settlement of sleepers in the passage; stiffness of the
-    support of all sleepers, and gaps below those that hang."""
+    """Reaction of the stones over the downward displacement of three sleepers in the passage;
+    stiffness of the support and gap of all sleepers."""
     needs(all(len(run.sleepers_x) and run.sleeper for run in runs), "no sleepers")
     figure, (loops, stiff, gaps) = plt.subplots(1, 3, figsize=(14, 4.6))
     text = []

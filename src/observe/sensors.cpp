@@ -154,8 +154,7 @@ std::vector<std::string> Sensors::begin_stage(const std::string& stage, bool usu
     if (followed_[k].empty())
       warnings.push_back(
           fmt::format("sensor \"{}\" reads nothing: at the start of stage \"{}\" no stone has its "
-                      "centre of mass "
-                      "within {:g} m of [{:g}, {:g}, {:g}] m; give a larger radius",
+                      "centre of mass within {:g} m of [{:g}, {:g}, {:g}] m; give a larger radius",
                       sensor.name, stage, sensor.radius, sensor.at[0], sensor.at[1], sensor.at[2]));
   }
   return warnings;

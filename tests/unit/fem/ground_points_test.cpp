@@ -94,33 +94,36 @@ class Points : public ::testing::TestWithParam<Dimension> {};
 INSTANTIATE_TEST_SUITE_P(, Points, ::testing::Values(Dimension::plane, Dimension::space),
                          dimension_name);
 
-TEST_P(Points, MoveAsTheCentresOfBricks) {
-  const Comm world = Comm::world();
+// Of plane strain in a plane.
+GroundParameters bricks() {
   GroundParameters p = box({3, 1, 1}, {12, 3, 5}, {80e6, 0.3, 1900});
   p.plane = PlaneState::strain;
-  p.ratio_x = 0.9, p.fine_x = 3;
-  Ground ground(world, p, GetParam(), 1.0);
+  return p;
+}
+
+void expect_motion_of_centres(const GroundParameters& p, Dimension dimension) {
+  const Comm world = Comm::world();
+  Ground ground(world, p, dimension, 1.0);
   shake(ground);
   expect_states(world, ground, centres(world, ground));
+}
+
+TEST_P(Points, MoveAsTheCentresOfBricks) {
+  GroundParameters p = bricks();
+  p.ratio_x = 0.9, p.fine_x = 3;
+  expect_motion_of_centres(p, GetParam());
 }
 
 // Both ends of a periodic ground have the same nodes.
 TEST_P(Points, MoveAsTheCentresOfPeriodicBricks) {
-  const Comm world = Comm::world();
-  GroundParameters p = box({3, 1, 1}, {12, 3, 5}, {80e6, 0.3, 1900});
-  p.plane = PlaneState::strain;
+  GroundParameters p = bricks();
   p.side_x_low = p.side_x_high = Sides::periodic;
-  Ground ground(world, p, GetParam(), 1.0);
-  shake(ground);
-  expect_states(world, ground, centres(world, ground));
+  expect_motion_of_centres(p, GetParam());
 }
 
 // Between nodes along a straight line the motion of a brick is linear.
 TEST_P(Points, MoveLinearlyAlongEdges) {
-  const Comm world = Comm::world();
-  GroundParameters p = box({3, 1, 1}, {12, 3, 5}, {80e6, 0.3, 1900});
-  p.plane = PlaneState::strain;
-  Ground ground(world, p, GetParam(), 1.0);
+  Ground ground(Comm::world(), bricks(), GetParam(), 1.0);
   shake(ground);
   std::vector<Vec3> steps{{0.25, 0, 0}, {0, 0, 0.2}};
   if (GetParam() == Dimension::space) steps.emplace_back(0, 1.0 / 3, 0);
@@ -136,10 +139,7 @@ TEST_P(Points, MoveLinearlyAlongEdges) {
 }
 
 TEST(PointsOfTetrahedra, MoveAsTheirCentres) {
-  const Comm world = Comm::world();
-  Ground ground(world, embankment(), Dimension::space, 1.0);
-  shake(ground);
-  expect_states(world, ground, centres(world, ground));
+  expect_motion_of_centres(embankment(), Dimension::space);
 }
 
 // At each node the motion is that of the node, whichever element contains it.
