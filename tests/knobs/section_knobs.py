@@ -46,8 +46,10 @@ REFUSED = {
     "ground.layer.1.elements=0": "must all have `elements`",
     "ground.elements_x=100000": "at most 2e+06",
     "ground.elements_x=18 ground.y=[0,16000]": "is flat: its shape quality",
-    "ground.sides=free_field": "the ground beside the model is neither level",
-    "ground.side_x_low=periodic ground.side_x_high=periodic": "nor the same at both ends",
+    "ground.sides=free_field":
+        "cannot be free_field or periodic with ground.section, whose tetrahedra",
+    "ground.side_x_low=periodic ground.side_x_high=periodic":
+        "cannot be free_field or periodic with ground.section, whose tetrahedra",
     "ground.side_y_low=viscous": "the axis of the embankment is a plane of symmetry",
     "ground.plane=strain": "an embankment is for three-dimensional models",
     "ground.layer.1.yield=mohr_coulomb": "must not yield below a track without stones",

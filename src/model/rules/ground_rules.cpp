@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "model/rules/ground_alone.hpp"
+#include "model/rules/limits.hpp"
 #include "model/rules/rules.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/wave_report.hpp"
@@ -163,12 +164,13 @@ std::vector<std::string> warnings_of_shapes(const Model& model, const input::Dec
     }
   }
   if (longest <= flat * shortest || of_shortest == of_longest) return {};
-  return {
-      fmt::format("{}: elements are up to {:.3g} m long along {}, but only {:.3g} m along {}: such "
-                  "flat elements (ratio above {:g}) need short steps and have inaccurate stresses; "
-                  "use more elements along {} or fewer along {}",
-                  deck.where("ground.elements_" + of_longest), longest, of_longest, shortest,
-                  of_shortest, flat, of_longest, of_shortest)};
+  return {fmt::format(
+      "{}: elements are up to {:.3g} m long along {}, but only {:.3g} m along {}: such "
+      "flat elements (ratio above {:g}) have inaccurate stresses and need short explicit "
+      "steps; "
+      "use more elements along {} or fewer along {}",
+      deck.where("ground.elements_" + of_longest), longest, of_longest, shortest, of_shortest, flat,
+      of_longest, of_shortest)};
 }
 
 // All warnings from elements and tables of a ground, also of an embankment or a mesh.
@@ -206,6 +208,39 @@ void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension
   s.rule("ground.sides", taken || ground.sides == fem::GroundParameters().sides,
          "has no effect: the kind of each side is given separately",
          {.severity = input::Severity::warning, .reads = {"dimension", "ground"}});
+}
+
+// Integrators with numerical damping of short waves need no other.
+void declare_delay(const Model& model, input::Section& s) {
+  const fem::GroundParameters& ground = model.ground;
+  const double least = least_damping_of_ground(model);
+  const bool undamped = ground.integrator == fem::Integrator::explicit_ ||
+                        ground.integrator == fem::Integrator::newmark;
+  const auto moves = [](const Stage& stage) { return stage.ground_moves; };
+  if (least == 0 || !undamped || std::none_of(model.stages.begin(), model.stages.end(), moves))
+    return;
+  const auto require = [&](const std::string& of, double damping) {
+    const std::string key = of + ".rayleigh_stiffness";
+    s.rule(key, damping >= least,
+           fmt::format("is below {:.1e} s (estimate): forces of the stones act on the ground one "
+                       "time window late, which adds energy to its shortest waves; give at least "
+                       "this damping, or a shorter time.window",
+                       least),
+           {.severity = input::Severity::warning,
+            .reads = {key, "time", "dem", "contact", "bed", "ground"}});
+  };
+  bool inherits = false;
+  const auto look_at = [&](const std::string& of, const fem::Elastic& solid) {
+    if (solid.rayleigh_stiffness >= 0)
+      require(of, solid.rayleigh_stiffness);
+    else
+      inherits = true;
+  };
+  if (!ground.layers.empty()) look_at("ground.layer[0]", ground.layers.front().solid);
+  for (std::size_t b = 0; b < ground.blocks.size(); ++b)
+    if (ground.blocks[b].present)
+      look_at(fmt::format("ground.block[{}]", b), ground.blocks[b].solid);
+  if (inherits) require("ground", ground.rayleigh_stiffness);
 }
 
 // The periods of stones and ground must be equal. Walls of the bed at a periodic end of the ground

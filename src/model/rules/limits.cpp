@@ -67,6 +67,14 @@ double narrowest(const std::vector<double>& edges) {
   return width;
 }
 
+// s, estimate of the window of the coupling.
+double rough_window(const Model& model) {
+  const TimeParameters& time = model.time;
+  if (time.window > 0) return time.window;
+  const double step = time.step > 0 ? time.step : time.rough_step;
+  return std::min(time.rough_window, static_cast<double>(time.substeps) * step);
+}
+
 // An inner node of the top has an eighth of the mass of each of the four elements below it (a
 // quarter of two in a plane model): half an element's mass. The estimate uses the smallest element
 // and the lightest layer, without blocks.
@@ -178,6 +186,48 @@ double mass_on_pad(const Model& model) {
     return bounce;
   const double inertia = mass * (length * length + s.height * s.height) / 12;
   return std::min(bounce, positive(2 * inertia / (s.gauge * s.gauge), 1));
+}
+
+namespace {
+
+// rad/s, of the elements, estimated as that of rods along all axes, 2 c/h each; infinite if moduli
+// come from a file.
+double highest_frequency(const Model& model) {
+  const auto& ground = model.ground;
+  double squares = 0;  // 1/m^2
+  for (const int axis : {0, 1, 2})
+    if (axis != 1 || model.dimension == Dimension::space)
+      squares += std::pow(narrowest(ground.edges(axis)), -2);
+  double fastest = 0;  // m/s, of pressure waves
+  const auto look_at = [&](const fem::Elastic& solid) {
+    const double nu = solid.poisson;
+    fastest = std::max(
+        fastest, std::sqrt(solid.young * (1 - nu) / ((1 + nu) * (1 - 2 * nu) * solid.density)));
+  };
+  for (const auto& layer : ground.layers) {
+    if (!layer.young_file.empty()) return infinite;
+    look_at(layer.solid);
+  }
+  for (const auto& block : ground.blocks)
+    if (block.present) look_at(block.solid);
+  return 2 * fastest * std::sqrt(squares);
+}
+
+}  // namespace
+
+// A force -k u(t - W) on a node of mass m and displacement u of frequency w works like a damper of
+// the coefficient -(k/w) sin(w W), damping of the solid like one of m w^2 beta. With the limit
+// L = 0.5 sqrt(m/k) of the window the latter prevails if
+//   beta > 0.25 W (W/L)^2 sin(a)/a^3,   a = w W.
+// Waves with a < 1.5 are damped by the contacts; at a = 2 the factor is 0.03. Evidence:
+// docs/decisions/stages_and_windows.md.
+double least_damping_of_ground(const Model& model) {
+  if (!model.has_stones() || !model.ground.present || model.ground.of_tetrahedra()) return 0;
+  const double limit = limit_of_top(model).window, window = rough_window(model);
+  if (!std::isfinite(limit) || !std::isfinite(window)) return 0;
+  constexpr double damped_by_contacts = 1.5;  // rad
+  if (highest_frequency(model) * window < damped_by_contacts) return 0;
+  return 0.03 * window * std::pow(std::min(1.0, window / limit), 2);
 }
 
 // Explicit sleepers on springs are stable up to 2/w, w = sqrt(k/m), on dashpots up to m/c; both

@@ -18,7 +18,7 @@ double rough_step_limit(const Model& model);
 // shortest (sleeper; surface node of the ground, if it moves) on n contacts of the largest
 // stiffness k. The load of a window acts one window late, which adds energy to an oscillator of
 // frequency w at the rate w^2 dt/2; at this limit the damping of the contacts still dissipates
-// more.
+// more. That of a ground's node acts late, too: see least_damping_of_ground.
 struct CouplingLimit {
   double window;       // s, infinite if nothing moves
   std::string body{};  // "sleeper: mass 202 kg"
@@ -35,6 +35,10 @@ CouplingLimit coupling_limit(const Model& model, const Stage& stage);
 // Of a body of this mass, kg, on so many simultaneous contacts.
 CouplingLimit coupling_limit(const Model& model, const std::string& body, double mass,
                              double contacts);
+
+// s, coefficient of stiffness-proportional damping with which the ground dissipates what the delay
+// of the stones' forces adds to its short waves; estimated from the deck, 0 if nothing is added.
+double least_damping_of_ground(const Model& model);
 
 // Throws InputError if the deck's sub-step is above `limit`, s, described by `words`.
 void require_stable(const Model& model, const input::Deck& deck, double limit,

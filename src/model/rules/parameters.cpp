@@ -79,11 +79,14 @@ void Stage::declare_course(input::Section& s) {
            "Local damping of stones during the stage; below 0: that of the materials.");
   s.number("friction", friction, {.unit = "-", .at_least = -1, .at_most = 2},
            "Friction coefficient of all contacts during the stage, for example low to pack a bed "
-           "densely; below 0: that of the contact laws.");
-  s.number("until_ratio", until_ratio, {.at_least = 0},
-           "Ratio `unbalanced` (mean net force divided by mean contact force) below which the "
-           "stage ends early, if there are also more contacts than stones; 0: never. Load, "
-           "passage, shear and triaxial do not use this parameter.");
+           "densely; -1: that of the contact laws.");
+  s.rule("friction", friction >= 0 || friction == -1,
+         "must be at least 0, or -1 for the friction of the contact laws");
+  s.number(
+      "until_ratio", until_ratio, {.at_least = 0},
+      "Ratio `unbalanced` (mean net force divided by mean contact force) below which the "
+      "stage ends early, if there are also at least as many contacts as stones; 0: never. Load, "
+      "passage, shear and triaxial do not use this parameter.");
 }
 
 // Parameters of bodies that move, and of the profile to which stones are cut.
@@ -325,6 +328,7 @@ void Model::declare(input::Section& s) {
   declare_time(s);
   declare_intervals(*this, s);
   declare_ground_mesh(*this, s);
+  declare_delay(*this, s);
   track.declare(s);
   sleepers.gauge = has_train() ? track.line.track.wheel_gauge() : load.gauge;
   declare_train(*this, s);

@@ -14,6 +14,8 @@ void declare_train(const Model& model, input::Section& s);  // after the track h
 // Parts of declare_rules.
 void declare_ground_mesh(const Model& model, input::Section& s);
 void declare_ground_sides(const Model& model, input::Section& s);
+// Warns of a ground without the damping that the coupling needs, after the time steps.
+void declare_delay(const Model& model, input::Section& s);
 // Parameters without effect: sides that a plane model does not have, `sides` if each side has its
 // own kind. Blocks of a plane model have no position across the track.
 void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension,
