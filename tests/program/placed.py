@@ -107,13 +107,19 @@ def check_impact(bench):
 
 def check_bounce(bench):
     """The normal force does not depend on slip: between impacts the normal speed is constant,
-    except for the error of velocity Verlet in ten impacts."""
+    except for the error of velocity Verlet in ten impacts. Without damping the energy between
+    impacts never rises; friction has dissipated some of it."""
     found = bench.run("bounce")
     free = found.total["contacts"].values.ravel() == 0
     speed = np.abs(column(found, "ball", "velocity")[free, 2])
     near(speed, 0.2, 10 * 1e-4 * 0.2, "speed between the plates")
     turns = np.count_nonzero(np.diff(np.sign(column(found, "ball", "velocity")[free, 2])))
     near(turns, 10, 0, "number of impacts")
+    energy = found.energy
+    total = sum(energy[name].values.ravel()[free] for name in ("translational", "rotational"))
+    rise = np.max(total - np.minimum.accumulate(total)) / total[0]
+    require(rise < 1e-6, f"the energy rises by {rise:.3g} of its initial value")
+    require(0.98 < total[-1] / total[0] < 0.999, f"{total[-1] / total[0]} of the energy is left")
 
 
 def check_rotation(bench):

@@ -62,7 +62,7 @@ template <bool rolls, class Real, class Yielding>
   const Triple<Real> arm_j = g.x - g.d, u = g.vi - g.vj;
   const Real rate = dot(u, g.N) + dot(g.wi, g.T) - dot(g.wj, S) - g.drift;  // of M
   const Triple<Real> p = u + cross(g.wi, g.x) - cross(g.wj, arm_j);
-  // `contact_force` takes the rate of overlap from the velocity along n: here it is that of M.
+  // `normal_force` takes the rate of overlap from the velocity along n: here it is that of M.
   const Triple<Real> v = p + (rate - dot(p, n)) * n;
   Springs<Real> law = g.law;
   law.mu = law.mu * length;

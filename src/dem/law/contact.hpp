@@ -288,7 +288,7 @@ template <class Real>
                                                       const NextStep<Real>& next,
                                                       const Triple<Real>& v, const Triple<Real>& xi,
                                                       double dt) {
-  // Whether the limit may cut what two steps stretch; without a limit there is no force.
+  // Whether the limit may cut what two steps stretch; with a limit of 0 there is no force.
   const Real reach = 2.0 * dt * s.k;
   const auto near_end = (next.limit * next.limit < reach * reach * dot(v, v)) & (s.limit > 0);
   if (!any(near_end)) return force;

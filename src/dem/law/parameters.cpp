@@ -42,8 +42,8 @@ void Material::declare(input::Section& s) {
            "Poisson's ratio, for hertz contacts.");
 }
 
-// All parameters of every law are in one list: a deck may change its law and keep the rest.
-// Parameters that the chosen law does not use have no effect, as their descriptions state.
+// All parameters of every law are in one list: the deck of a bed may change its law and keep the
+// rest. Parameters that the chosen law does not use have no effect, as their descriptions state.
 void ContactLaw::declare(input::Section& s) {
   s.text("first", first, "Name of one material.", {}, true);
   s.text("second", second, "Name of the other (or the same) material.", {}, true);
@@ -76,7 +76,9 @@ void ContactLaw::declare(input::Section& s) {
   s.number("rolling_friction", rolling_friction, {.unit = "-", .at_least = 0},
            "Coefficient of rolling friction: largest rolling moment divided by F_n R, where R = r1 "
            "r2/(r1 + r2) is the reduced radius of the circumscribed spheres of the two pieces. It "
-           "is the tangent of the steepest slope on which a sphere rests; 0: rolling is free.");
+           "is the tangent of the steepest slope on which a sphere rests that does not slide; 0: "
+           "rolling "
+           "is free.");
   // From 2.25 mu_r^2 with mu_r = 0.01 (Ai et al. 2011, model C) to some multiple of k_s / k_n
   // (Iwashita, Oda 1998). A spring stiffer than the contact itself also reduces the step.
   s.number("rolling_stiffness", rolling_stiffness,
@@ -107,6 +109,10 @@ void Physics::declare(input::Section& s) {
            fmt::format("the law between \"{}\" and \"{}\" is given twice; remove one of them",
                        law.first, law.second),
            {.reads = {key}});
+    s.rule(key + ".k_s", law.kind != LawKind::linear || law.k_s > 0 || law.friction == 0,
+           "without tangential stiffness there is no friction; give a value above 0, or "
+           "friction = 0",
+           {.severity = input::Severity::warning, .reads = {key}});
     const auto stiff = [&](const std::string& name) {
       const int number = material(name);
       return number >= 0 && materials[static_cast<std::size_t>(number)].young > 0;

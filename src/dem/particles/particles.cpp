@@ -145,12 +145,13 @@ void Particles::repartition(const std::function<double(const ParticleView&)>& we
 // may never be in contact.
 void Particles::Impl::check_laws() const {
   std::vector<std::int64_t> used(laws.materials(), 0);
-  for (std::size_t b = 0; b < state.own; ++b) used[static_cast<std::size_t>(state.material[b])] = 1;
+  for (std::size_t b = 0; b < state.own; ++b) ++used[static_cast<std::size_t>(state.material[b])];
   comm.sum(used);
   std::set<std::pair<std::size_t, std::size_t>> pairs_of_materials;
   for (std::size_t a = 0; a < used.size(); ++a)
     if (used[a] > 0) {
-      for (std::size_t b = a; b < used.size(); ++b)
+      if (used[a] > 1) pairs_of_materials.insert({a, a});
+      for (std::size_t b = a + 1; b < used.size(); ++b)
         if (used[b] > 0) pairs_of_materials.insert({a, b});
       for (const Surface* surface : surfaces)
         pairs_of_materials.insert(std::minmax(a, static_cast<std::size_t>(surface->material)));

@@ -51,11 +51,11 @@ bool ends_at_rest(const Stage& stage) {
   return stage.until_ratio > 0 && !loaded;
 }
 
-// Stones are at rest if forces are balanced and there are more contacts than stones. The latter
-// excludes stones in free fall (no forces at all); a pile in equilibrium has on average more than
-// two contacts per stone, and so at least as many contacts as stones.
+// Stones are at rest if forces are balanced and there are at least as many contacts as stones. The
+// latter excludes stones in free fall (no forces at all): a pile in equilibrium has on average more
+// than two contacts per stone, shared by two stones each, and a single stone lies on something.
 bool at_rest(const dem::Totals& totals, double ratio) {
-  return totals.contacts > totals.particles && totals.unbalanced < ratio;
+  return totals.contacts >= totals.particles && totals.unbalanced < ratio;
 }
 
 }  // namespace
@@ -244,8 +244,8 @@ std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
   if (at_rest(totals, stage.until_ratio)) return std::string{};
   if (totals.unbalanced < stage.until_ratio)
     return fmt::format(
-        "there are {} contacts of {} stones; at rest there are more contacts than stones; give a "
-        "longer stage.duration",
+        "there are {} contacts of {} stones; at rest there are at least as many contacts as "
+        "stones; give a longer stage.duration",
         totals.contacts, totals.particles);
   return fmt::format(
       "the mean net force divided by the mean contact force is {:.3g}; required: below {:g} "

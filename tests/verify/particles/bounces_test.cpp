@@ -84,7 +84,14 @@ Errors bounced(const Ball& ball, const Course& course) {
   Errors errors;
   constexpr int stride = 8;  // sub-steps, fewer than any flight has
   int done = 0;
+  // Windows that ten times the usual flights and contacts take; a ball that sticks needs more.
+  const double longest = 10 * course.bounces * (course.gap + 2) / (stride * course.step) + 10;
+  int windows = 0;
   for (bool up = false; done < course.bounces;) {
+    if (++windows > longest || !p.trouble().empty()) {
+      ADD_FAILURE() << "only " << done << " bounces; " << p.trouble();
+      break;
+    }
     p.advance(stride * course.step * time, stride);
     const double z = p[0].position.z();
     if ((p[0].velocity.z() > 0) == up || z < ball.radius || z > ball.radius + gap) continue;
