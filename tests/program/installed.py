@@ -4,7 +4,7 @@
     installed.py CMAKE BUILD_FOLDER FOLDER [PACKAGE_BUILD]
 
 PACKAGE_BUILD: folder in which Debian's package is built from the source of BUILD_FOLDER and then
-unpacked instead.
+unpacked instead. The package is also installed on a fresh Debian (debootstrap, as root).
 """
 import os
 import pathlib
@@ -12,6 +12,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, expect  # noqa: E402
@@ -35,6 +36,33 @@ def unpacked(cmake, source, build, folder):
             raise SystemExit(f"{package} does not name {word}:\n{fields}")
     call("dpkg-deb", "--extract", package, folder / "root")
     return folder / "root" / "usr"
+
+
+def installed_on_debian(source, package, root):
+    """Installs the package on a fresh Debian in the folder `root`, by the commands of the last
+    stage of cmake/Containerfile, and runs a deck there on two ranks and the post-processing."""
+    lists = [path for path in pathlib.Path("/etc/apt").glob("sources.list*/*.sources")]
+    address = re.search(r"^URIs: *(\S+)", lists[0].read_text(encoding="utf-8"), re.M).group(1)
+    call("debootstrap", "--variant=minbase", "bookworm", root, address)
+    for path in lists:
+        shutil.copy(path, root / "etc/apt/sources.list.d")
+    (root / "etc/apt/sources.list").unlink(missing_ok=True)
+    (root / "package").mkdir()
+    shutil.copy(package, root / "package")
+    last = (source / "cmake/Containerfile").read_text(encoding="utf-8").split("\nFROM ")[-1]
+    environment = {"PATH": os.environ["PATH"], "DEBIAN_FRONTEND": "noninteractive",
+                   **dict(re.findall(r"(OMPI_\w+)=(\S+)", last))}
+
+    def run(*words):
+        return call("chroot", root, *words, env=environment).stdout
+    for command in re.findall(r"^RUN (.*)$", last, re.M):
+        run("bash", "-c", command.replace("install -y", "install -y -q"))
+    run("mpirun", "-n", "2", "--oversubscribe", "trackbed", "run",
+        "/usr/share/trackbed/inputs/verify/impact.toml", "-o", "/results")
+    listed = run("trackbed_post", "list", "/results")
+    if "history/time" not in listed:
+        raise SystemExit(f"trackbed_post list on a fresh Debian: {listed}")
+    print(run("trackbed", "--version"))
 
 
 def check_origin(program, place):
@@ -106,6 +134,11 @@ def main():
         if not (usr / name).is_file():
             raise SystemExit(f"{name} is not installed")
     check_completion(usr)
+    if len(sys.argv) > 4:
+        package, = folder.glob("*.deb")
+        # Not below `folder`, which may be in memory, where no programs may be started.
+        with tempfile.TemporaryDirectory(prefix="debian-", dir=build) as root:
+            installed_on_debian(source, package, pathlib.Path(root))
 
 
 if __name__ == "__main__":
