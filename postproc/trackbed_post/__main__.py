@@ -86,7 +86,7 @@ def run_sweep(given):
     """runs a deck with several values of parameters; mean and band over the seeds"""
     varied = {key: values for key, *values in given.vary}
     if len(varied) < len(given.vary):
-        raise read.Unreadable("--vary: state all values of a parameter after one --vary")
+        raise read.Unreadable("a parameter has two --vary; list all its values after one")
     if given.ranks < 1:
         raise read.Unreadable(f"--ranks {given.ranks}: must be at least 1")
     if empty := [key for key, values in varied.items() if not values]:
@@ -181,7 +181,7 @@ def parser():
     one.add_argument("--over", action="append", default=[], metavar="FILE.csv[:X:Y]",
                      help="a measured or published curve; may be given several times")
     one.add_argument("--shift", type=float, default=0.0, metavar="S",
-                     help="is added to x, m, or time, s, of the curves of --over")
+                     help="offset of the curves of --over along x (m) or time (s)")
     draws(one)
     one = command("sweep", run_sweep)
     one.add_argument("deck", type=pathlib.Path)

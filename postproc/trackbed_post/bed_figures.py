@@ -4,7 +4,7 @@ import numpy as np
 
 from trackbed_post import measures
 
-COLOURS = ("tab:blue", "tab:orange")
+COLOURS = ("C0", "C1")
 
 
 class Missing(Exception):

@@ -165,9 +165,9 @@ def table_of(curves, others):
                 continue
             rms, most, points = found
             share = f" ({100 * rms / span:.1f} % of the range of {other.name})" if span else ""
-            lines.append(f"{curve.name} differs from {other.name} at {points} of {len(other.x)} "
-                         f"points by {rms:.4g} {curve.unit} (root mean square){share}, at most by "
-                         f"{most:.4g} {curve.unit}")
+            lines.append(f"{curve.name} minus {other.name}: root mean square {rms:.4g} "
+                         f"{curve.unit}{share}, largest {most:.4g} {curve.unit} ({points} of "
+                         f"{len(other.x)} points are in the common range)")
     return "\n".join(lines) + "\n"
 
 

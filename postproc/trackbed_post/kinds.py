@@ -68,8 +68,8 @@ def draw_figures(results, path, kind="", formats=("png",)):
     require_comparable(decks)
     kinds = [kind] if kind else of_deck(decks[0])
     if len(results) > 2 and set(kinds) & PAIRS:
-        raise read.Unreadable("give one or two result folders: more are drawn of laboratory tests "
-                              "and of tracks without a bed only")
+        raise read.Unreadable("give at most two result folders; only laboratory tests and tracks "
+                              "without a bed are drawn from more")
     folders, problem = [], None
     for part in parts_of(results, kinds):
         below = pathlib.Path(path)

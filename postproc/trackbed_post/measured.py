@@ -104,8 +104,8 @@ def _from_wav(path, wanted):
     try:
         scale = float(number)
     except ValueError:
-        raise read.Unreadable(f"{path} holds fractions of the full scale: state its value and unit,"
-                              f" for example {path}:50_m_s2") from None
+        raise read.Unreadable(f"samples of {path} are fractions of the full scale: give its value "
+                              f"and unit, for example {path}:50_m_s2") from None
     try:
         rate, samples = scipy.io.wavfile.read(path)
     except Exception as error:  # of any kind, as its parser raises them
@@ -129,8 +129,8 @@ def _even(time, values):
     for limit in (values.max(), values.min()):
         at = values == limit
         if any(at[i:i + CLIPPED].all() for i in np.flatnonzero(at)[:-CLIPPED + 1]):
-            remarks.append(f"{np.sum(at)} samples equal the extreme value {limit:.4g}: the sensor "
-                           "was probably overloaded")
+            remarks.append(f"{np.sum(at)} samples equal the extreme value {limit:.4g}, at least "
+                           f"{CLIPPED} in a row: was the sensor overloaded?")
     steps = np.diff(time)
     step = float(np.median(steps))
     missing = np.flatnonzero(steps > GAP * step)

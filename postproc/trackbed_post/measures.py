@@ -204,9 +204,9 @@ ROWS = (  # label, unit, field, factor
     ("steepest slope of the ground, whole line", "mm/m", "steepest", 1e3),
     ("  which is at x =", "m", "steepest_x", 1),
     ("steepest slope within a spacing of the edge", "mm/m", "edge_slope", 1e3),
-    ("stress on the structure, one spacing at its edge", "kPa", "stress_structure", 1e-3),
-    ("stress beyond the structure, the same", "kPa", "stress_beyond", 1e-3),
-    ("stress jump at the edge, between these means", "kPa", "stress_jump", 1e-3),
+    ("mean stress over the last spacing on the structure", "kPa", "stress_structure", 1e-3),
+    ("mean stress over the first spacing beyond it", "kPa", "stress_beyond", 1e-3),
+    ("stress jump at the edge, difference of these means", "kPa", "stress_jump", 1e-3),
     ("largest sleeper displacement in the passage", "mm", "sleeper_displacement", 1e3),
     ("largest residual sleeper displacement after it", "mm", "sleeper_residual", 1e3),
 )
@@ -241,7 +241,7 @@ def table(runs):
     lines += moved_stones
     if len(found) == 2:
         if runs[0].deck.get("stage") != runs[1].deck.get("stage"):
-            lines.append("warning: the two decks differ in their stages, not only in the wedge")
+            lines.append("warning: the two decks differ in their stages")
         if moved_stones:
             lines.append("warning: differences in the comparison below may have other causes than "
                          "the wedge: see the warnings above")
@@ -275,8 +275,8 @@ def warnings(results):
             "load")
     return lines + [
         f"warning: {results.name}: the sleeper at x = {x:.2f} m has a residual displacement of "
-        f"{1e3 * left:.2f} mm relative to the ground (limit {1e3 * LASTING:.0f} mm): stones were "
-        "rearranged (permanent settlement of the ballast)"
+        f"{1e3 * abs(left):.2f} mm {'downwards' if left > 0 else 'upwards'} relative to the ground "
+        f"(limit {1e3 * LASTING:.0f} mm): stones were rearranged"
         for x, left in zip(results.sleepers_x, kept - sunk) if abs(left) > LASTING]
 
 
@@ -291,8 +291,8 @@ def _verdict(change, wanted, by_wedge):
     if abs(change) <= CLEAR:
         return f"no clear effect (within {CLEAR:.0%})"
     if not by_wedge:
-        return ("change relative to the second run; not judged: for that, the first run must have "
-                "all blocks of the second and at least one more (the wedge)")
+        return ("change relative to the second run; no verdict: the first run must contain all "
+                "blocks of the ground of the second and at least one more (the wedge)")
     return f"{'as' if change * wanted > 0 else 'NOT as'} expected of a wedge"
 
 

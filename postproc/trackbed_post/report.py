@@ -38,7 +38,7 @@ class Run:
 
     def state(self):
         if not self.summary:
-            return "goes on, or was stopped by force: no summary.json"
+            return "still running, or killed (no summary.json)"
         return "finished" if self.summary["finished"] else "stopped early"
 
 

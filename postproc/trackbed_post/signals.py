@@ -91,6 +91,9 @@ EDGE = 10 ** 0.05
 LEAST_LINES = 2  # of the spectrum in a band: a narrower band is not resolved by the record
 NEAR_NYQUIST = 0.9  # of half the sampling rate, above which an anti-aliasing filter acts
 
+COMFORT_INTERVAL = 5.0   # s, EN 12299:2009
+MEAN_COMFORT_ROWS = 60   # intervals for the mean comfort: five minutes
+
 # Reference values of levels, ISO 1683:2015, by the unit of the quantity.
 REFERENCES = {"m/s2": 1e-6, "m/s": 1e-9, "m": 1e-12, "N": 1e-6}
 
@@ -129,9 +132,9 @@ def levels(amplitude, unit):
     return 20 * np.log10(np.maximum(amplitude, 1e-300) / REFERENCES[unit])
 
 
-def weighting_wk(frequency):
-    """Magnitude of the weighting Wk of ISO 2631-1:1997 (vertical acceleration of seated and
-    standing persons), table A.1: band limits, transition from acceleration to velocity, step."""
+def _weighting(frequency, transition, step, gain):
+    """Band limits of 0.4 and 100 Hz, transition (f, Q) from acceleration to velocity, step up
+    ((f, Q) from, (f, Q) to) with this gain below it."""
     s = 2j * np.pi * np.asarray(frequency, dtype=float)
 
     def order_two(f, q):
@@ -140,12 +143,41 @@ def weighting_wk(frequency):
 
     low, high = order_two(0.4, np.sqrt(0.5)), order_two(100, np.sqrt(0.5))
     limits = (s / (2 * np.pi * 0.4))**2 / low / high
-    transition = (1 + s / (2 * np.pi * 12.5)) / order_two(12.5, 0.63)
-    step = order_two(2.37, 0.91) / order_two(3.35, 0.91) * (2.37 / 3.35)**2
-    return np.abs(limits * transition * step)
+    to_velocity = (1 + s / (2 * np.pi * transition[0])) / order_two(*transition)
+    return np.abs(limits * to_velocity * gain * order_two(*step[0]) / order_two(*step[1]))
 
 
-def weighted_rms(time, acceleration):
-    """Root mean square of the acceleration weighted by Wk, m/s2."""
+def weighting_wk(frequency):
+    """Magnitude of the weighting Wk of ISO 2631-1:1997, table A.1 (vertical acceleration of seated
+    and standing persons)."""
+    return _weighting(frequency, (12.5, 0.63), ((2.37, 0.91), (3.35, 0.91)), (2.37 / 3.35)**2)
+
+
+def weighting_wb(frequency):
+    """Magnitude of the weighting Wb of EN 12299:2009 and ISO 2631-4:2001 (vertical acceleration of
+    passengers of trains)."""
+    return _weighting(frequency, (16, 0.63), ((2.5, 0.8), (4, 0.8)), 0.4)
+
+
+def weighted_rms(time, acceleration, weighting=weighting_wk):
+    """Root mean square of the weighted acceleration, m/s2."""
     frequency, energy = energies(time, acceleration)
-    return float(np.sqrt(np.sum(energy * weighting_wk(frequency)**2)))
+    return float(np.sqrt(np.sum(energy * weighting(frequency)**2)))
+
+
+def continuous_comfort(time, acceleration):
+    """CC_z of EN 12299:2009, m/s2: root mean square, weighted by Wb, of each interval of 5 s, of
+    which the last may be left out. The weighting is applied in the frequency domain without a
+    phase, to the record continued by its mean, so that its end has no effect on its begin."""
+    dt = step_of(time)
+    moving = np.concatenate([acceleration - np.mean(acceleration), np.zeros(len(time))])
+    lines = np.fft.rfft(moving) * weighting_wb(np.fft.rfftfreq(len(moving), dt))
+    weighted = np.fft.irfft(lines, len(moving))[:len(time)]
+    rows = round(COMFORT_INTERVAL / dt)
+    parts = weighted[:len(weighted) // rows * rows].reshape(-1, rows)
+    return np.sqrt(np.mean(parts**2, axis=1))
+
+
+def mean_comfort(comfort):
+    """Vertical part of the mean comfort N_MV of EN 12299:2009 from five minutes of CC_z."""
+    return 6 * float(np.percentile(comfort, 95))

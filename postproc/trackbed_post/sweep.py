@@ -55,8 +55,8 @@ def cases(varied, folder):
         found.append(Case(values, pathlib.Path(folder) / name))
     names = [case.folder.name for case in found]
     if len(set(names)) < len(names):
-        raise read.Unreadable("two combinations have the same folder: values must differ in their "
-                              "letters and digits")
+        raise read.Unreadable("two combinations have the same folder "
+                              f"{max(names, key=names.count)}: is a value given twice?")
     return found
 
 
@@ -65,7 +65,8 @@ def find_program(given):
     built = pathlib.Path(__file__).resolve().parents[2] / "build/release/trackbed"
     found = given or (built if built.is_file() else shutil.which("trackbed"))
     if not found or not os.path.isfile(found) or not os.access(found, os.X_OK):
-        raise read.Unreadable(f"{found or 'trackbed'} is not a program: state it with --program")
+        raise read.Unreadable(f"{found} is not a program; give another --program" if found else
+                              "trackbed was not found (build/release, PATH): give --program")
     return pathlib.Path(found).resolve()
 
 
@@ -216,7 +217,7 @@ def run_all(deck, every, program, ranks):
         words = f"{number} of {len(every)}: {case.folder}"
         require_same_deck(deck, case)
         if state_of(case) == "finished":
-            print(f"{words}: finished before")
+            print(f"{words}: already finished, skipped")
             done.append(case)
             continue
         print(words, flush=True)
@@ -225,7 +226,7 @@ def run_all(deck, every, program, ranks):
             done.append(case)
             continue
         if code == STOPPED:
-            print(f"{case.folder}: stopped; the same command goes on")
+            print(f"{case.folder}: stopped; run the same command again to continue")
             return done, STOPPED
         ending = read.Unreadable.code
         print(f"{case.folder}: ended with code {code}; the reason is in "

@@ -8,7 +8,8 @@ import numpy as np
 
 from trackbed_post import measures, read
 
-SHOWN_WHEELS = 8  # the first wheels are shown
+MARKERS = "osD^vP*X"         # of axles in turn
+SHOWN_WHEELS = len(MARKERS)  # the first wheels are shown
 
 
 def train_rows(wheel_x, name):
@@ -85,11 +86,11 @@ def numbers(passing):
         if force.shape[2] == 2:
             found[f"axle {axle + 1}, left and right wheel, largest difference"] = (
                 np.nanmax(np.abs(force[:, axle, 0] - force[:, axle, 1])) / 1e3, "kN")
-        found[f"axle {axle + 1}, lowest sleeper level, down, mean of sleepers"] = (
+        found[f"axle {axle + 1}, largest downward sleeper displacement, mean of sleepers"] = (
             -1e3 * np.nanmean(passing.lowest[axle]), "mm")
-        found[f"axle {axle + 1}, lowest sleeper level, down, largest"] = (
+        found[f"axle {axle + 1}, largest downward sleeper displacement, largest of sleepers"] = (
             -1e3 * np.nanmin(passing.lowest[axle]), "mm")
-        found[f"axle {axle + 1}, the same, increase since axle 1, mean"] = (
+        found[f"axle {axle + 1}, mean increase of this displacement relative to axle 1"] = (
             1e3 * np.nanmean(passing.sunk_since_first()[axle]), "mm")
     if passing.seats is not None:
         lean = passing.seats[..., 0] - passing.seats[..., 1]
@@ -112,10 +113,11 @@ def draw(passing, blocks):
             side = ", right" if rail else ", left" if passing.force.shape[2] == 2 else ""
             wheels.plot(passing.x[:, axle], force / 1e3, "--" if rail else "-", lw=0.8,
                         color=f"C{axle}", label=words + side)
-        down.plot(passing.sleepers_x, 1e3 * passing.lowest[axle], "o-", ms=3, lw=0.9, label=words)
+        line = {"marker": MARKERS[axle], "ms": 3.5, "lw": 0.9, "color": f"C{axle}"}
+        down.plot(passing.sleepers_x, 1e3 * passing.lowest[axle], label=words, **line)
         if axle:
-            left.plot(passing.sleepers_x, -1e3 * passing.sunk_since_first()[axle], "o-", ms=3,
-                      lw=0.9, color=f"C{axle}", label=f"under {words} relative to axle 1")
+            left.plot(passing.sleepers_x, -1e3 * passing.sunk_since_first()[axle],
+                      label=f"under {words} relative to axle 1", **line)
     left.plot(passing.sleepers_x, 1e3 * passing.left, "k^--", ms=4, lw=0.9,
               label="after the train relative to before")
     wheels.set(ylabel="wheel force, kN", title="Train over the bed")
@@ -129,6 +131,9 @@ def draw(passing, blocks):
                           color="0.35" if name == "structure" else "tab:green", zorder=0)
         panel.grid(alpha=0.3)
         panel.legend(fontsize=7, ncols=2)
+    for level, (name, (begin, end)) in enumerate(blocks.items()):
+        down.text((begin + end) / 2, 0.03 + 0.05 * level, name, ha="center", fontsize=8,
+                  transform=down.get_xaxis_transform())
     return figure
 
 

@@ -75,7 +75,7 @@ def require_whole(run, passing):
     if len(gone) and gone.min() < run.sleepers_x[-1]:
         raise read.Unreadable(f"{run.name}: the last row of the histories, {last[-1]:.4g} s, has "
                               f"an axle at x = {gone.min():.1f} m, on the bed or before it: resume "
-                              "the run")
+                              "the run, or give a longer stage.duration")
 
 
 def train_of(folder):

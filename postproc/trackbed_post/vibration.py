@@ -11,7 +11,7 @@ import numpy as np
 from trackbed_post import measured, read, signals, track_figures
 
 LEAST_ROWS = 32
-STYLES = ({"color": "tab:blue", "ls": "-"}, {"color": "tab:orange", "ls": "--"})
+STYLES = ({"color": "C0", "ls": "-"}, {"color": "C1", "ls": "--"})
 
 
 def rows_of_passage(every, folder):
@@ -39,7 +39,7 @@ def computed(folder, quantity, place):
         raise read.Unreadable(f"{folder} has no history {quantity}; it has {', '.join(known)}")
     unit = every[name].unit
     if unit not in signals.REFERENCES:
-        raise read.Unreadable(f"{quantity} is in {unit}, not in one of "
+        raise read.Unreadable(f"{quantity} is in {unit}; levels are defined for "
                               f"{', '.join(signals.REFERENCES)}")
     rows = rows_of_passage(every, folder)
     values = every[name].values[rows]
@@ -79,6 +79,14 @@ def numbers(signal):
     if signal.unit == "m/s2":
         found["root mean square weighted by Wk (ISO 2631-1)"] = (
             signals.weighted_rms(signal.time, signal.values), "m/s2")
+        found["root mean square weighted by Wb (EN 12299)"] = (
+            signals.weighted_rms(signal.time, signal.values, signals.weighting_wb), "m/s2")
+        comfort = signals.continuous_comfort(signal.time, signal.values)
+        if len(comfort):
+            found[f"largest CC_z of {len(comfort)} intervals of 5 s (EN 12299)"] = (
+                comfort.max(), "m/s2")
+        if len(comfort) >= signals.MEAN_COMFORT_ROWS:
+            found["vertical part of N_MV (EN 12299)"] = (signals.mean_comfort(comfort), "-")
     if signal.unit == "N" and signal.values.mean() != 0:
         found["dynamic load factor, largest force over mean"] = (
             np.abs(signal.values).max() / abs(signal.values.mean()), "-")

@@ -110,8 +110,8 @@ def test_command_states_the_deviation(run, tmp_path):
     command = ["curve", "envelope/rail/least", run, "-o", tmp_path / "out", "--over", path]
     ran = conftest.call(*command, "--shift", "-10")
     assert ran.returncode == 0, ran.stderr
-    assert "differs from published at 2 of 2 points by 0.0007071 m" in ran.stdout
-    assert "at most by 0.001 m" in ran.stdout
+    assert "minus published: root mean square 0.0007071 m" in ran.stdout
+    assert "largest 0.001 m (2 of 2 points are in the common range)" in ran.stdout
     rows = (tmp_path / "out/curve.csv").read_text(encoding="utf-8").splitlines()
     assert rows[0] == "curve,x,y" and len(rows) == 1 + len(X) + 2
     assert (tmp_path / "out/curve.png").stat().st_size > 5000
@@ -156,7 +156,7 @@ def test_cases_of_a_sweep(tmp_path):
 
 
 @pytest.mark.parametrize("words, expected", [
-    (["--vary", "a.b", "1", "--vary", "a.b", "2"], "after one --vary"),
+    (["--vary", "a.b", "1", "--vary", "a.b", "2"], "has two --vary"),
     (["--vary", "a.b", "-1e-3", "--ranks", "0"], "must be at least 1"),
     (["--vary", "a.b", "-1e-3", "--program", "/tmp"], "is not a program")])
 def test_sweeps_that_cannot_run_are_refused(tmp_path, words, expected):

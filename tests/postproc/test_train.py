@@ -36,9 +36,11 @@ def test_settlement_of_each_axle():
     assert found["largest wheel force over the bed"] == (pytest.approx(60), "kN")
     assert found["least wheel force over the bed"] == (pytest.approx(50), "kN")
     # Right behind the axle the displacement is the deflection plus the settlement by this axle.
-    assert found["axle 1, lowest sleeper level, down, mean of sleepers"][0] == pytest.approx(1.1)
-    assert found["axle 2, lowest sleeper level, down, largest"][0] == pytest.approx(1.2)
-    assert found["axle 2, the same, increase since axle 1, mean"][0] == pytest.approx(0.1)
+    down = "largest downward sleeper displacement"
+    more = "mean increase of this displacement relative to axle 1"
+    assert found[f"axle 1, {down}, mean of sleepers"][0] == pytest.approx(1.1)
+    assert found[f"axle 2, {down}, largest of sleepers"][0] == pytest.approx(1.2)
+    assert found[f"axle 2, {more}"][0] == pytest.approx(0.1)
     left = "residual displacement of sleepers with the ground, down"
     assert found[f"{left}, largest"][0] == pytest.approx(0.2)
 
@@ -65,7 +67,8 @@ def test_two_rails_are_distinguished():
     assert found["axle 1, left and right wheel, largest difference"][0] == pytest.approx(4)
     assert found["axle 2, left and right wheel, largest difference"][0] == pytest.approx(0)
     assert found["least wheel force over the bed"][0] == pytest.approx(46)
-    assert found["axle 1, lowest sleeper level, down, mean of sleepers"][0] == pytest.approx(1.1)
+    down = "largest downward sleeper displacement"
+    assert found[f"axle 1, {down}, mean of sleepers"][0] == pytest.approx(1.1)
     assert found["left minus right seat height of a sleeper, largest"][0] == pytest.approx(3)
     figure = train_figures.draw(passing, {})
     labels = [line.get_label() for line in figure.axes[0].lines]

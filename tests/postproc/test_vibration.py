@@ -45,6 +45,31 @@ def test_weighting_agrees_with_the_table_of_the_standard():
     assert found == pytest.approx(np.sqrt(2) * signals.weighting_wk([8.0])[0], rel=2e-3)
 
 
+def test_weighting_of_passengers_of_trains():
+    low, flat, high = (signals.weighting_wb(np.array(f))
+                       for f in ([1.0, 1.5], [6.3, 12.5], [50, 63]))
+    assert low == pytest.approx(0.4, rel=0.03)       # gain below the step, above 0.4 Hz
+    assert flat == pytest.approx(1.02, rel=0.02)     # acceleration counts fully
+    assert high[0] / high[1] == pytest.approx(63 / 50, rel=0.05)  # as velocity
+
+
+def test_comfort_of_a_long_record():
+    time = np.arange(0, 320, 1 / 400)
+    shaking = np.where(time < 300, 0.3, 0.6) * np.sin(2 * np.pi * 8 * time)
+    comfort = signals.continuous_comfort(time, shaking)
+    one = signals.weighting_wb([8.0])[0] / np.sqrt(2)
+    assert len(comfort) == 64
+    assert comfort[5:55] == pytest.approx(0.3 * one, rel=1e-3)
+    assert comfort[61:63] == pytest.approx(0.6 * one, rel=1e-3)
+    # Four of 64 intervals are twice as bad: the 95th percentile is among them.
+    assert signals.mean_comfort(comfort) > 6 * 0.31 * one
+    found = vibration.numbers(measured.Signal("car", time, shaking, "m/s2", ()))
+    assert found["largest CC_z of 64 intervals of 5 s (EN 12299)"][0] == comfort.max()
+    assert "vertical part of N_MV (EN 12299)" in found
+    short = vibration.numbers(measured.Signal("car", time[:1500], shaking[:1500], "m/s2", ()))
+    assert not any("CC_z" in name for name in short)
+
+
 def write_csv(path, text):
     path.write_text(text, encoding="utf-8")
     return path
@@ -89,7 +114,7 @@ def test_files_of_matlab_and_sound(tmp_path):
     scipy.io.wavfile.write(tmp_path / "a.wav", 1000, np.full(100, 16384, dtype=np.int16))
     found = measured.load(f"{tmp_path / 'a.wav'}:50_m_s2")
     assert found.unit == "m/s2" and found.values[5] == pytest.approx(25)
-    with pytest.raises(read.Unreadable, match="state its value and unit"):
+    with pytest.raises(read.Unreadable, match="give its value and unit"):
         measured.load(tmp_path / "a.wav")
 
 
