@@ -34,7 +34,7 @@ def main():
     ran = subprocess.run(words, capture_output=True, text=True, check=False, env=os.environ)
     print(ran.stdout, ran.stderr)
     if ran.returncode or "train.speed = 80: 2 runs" not in ran.stdout or \
-            "1 of 4: " not in ran.stdout or "finished before" not in ran.stdout:
+            "1 of 4: " not in ran.stdout or "already finished, skipped" not in ran.stdout:
         raise SystemExit("the sweep did not finish")
     rows = (folder / "sweep.csv").read_text(encoding="utf-8").splitlines()
     if len(rows) != 5 or not rows[0].startswith('"irregularity.seed","train.speed","largest'):

@@ -47,8 +47,11 @@ def check_old_results(program, deck, folder):
     put_mine(made)
     before = contents(made)
     for ranks in (1, 2):
-        refused(program, ranks, ["run", deck, "-o", made],
-                [made, "--force", f"trackbed resume {made}", "-o DIR"])
+        refused(program, ranks, ["run", deck, "-o", made], [made, "--force", "run (", "); choose"])
+    stopped = folder / "stopped"
+    program.done(1, "run", deck, "output.stop_after=5", "-o", stopped, code=3)
+    refused(program, 1, ["run", deck, "-o", stopped],
+            [stopped, "--force", f"trackbed resume {stopped}", "-o DIR"])
     for name in sorted(own):  # each alone is a reason
         place = folder / "one"
         (place / name).parent.mkdir(parents=True)

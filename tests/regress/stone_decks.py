@@ -190,7 +190,7 @@ def check_steps(bench):
                   'longer than stage "go" (0.01 s); give at most 479 sub-steps',
                   changes=["time.substeps=10000"])
     bench.accepted(lone, ["time.substeps=479"],
-                   warning="of which a contact needs at least four; give at most 3")
+                   warning="and a contact needs at least four samples; give at most 3")
     bench.accepted(lone, ["time.substeps=3"])
     bench.refused(lone, "time.window: a window of 0.02 s", changes=["time.window=0.02"])
     bench.accepted(lone, ["time.window=0.01"])

@@ -10,6 +10,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from part import some  # noqa: E402
 from program import Program, summary  # noqa: E402
 from results import datasets, same_datasets  # noqa: E402
 
@@ -17,7 +18,7 @@ SEATS = "train.vehicles=[] passage.loaded_by=seats load.axles=[0,2.8,9.0,11.8]"
 SHORT = ["passage.duration=0.05", "train.start=25"]
 # Changes of the plain deck and a part of the refusal.
 REFUSED = {
-    "model=bed": 'must be "track"',
+    "model=bed": 'need a stage with train = ',
     "bed.height=0.3": "bed is not a section",
     "rail.section=60E2": "must be \"46E3\", \"54E1\", \"60E1\", \"UIC54\", \"UIC60\" or \"CHN60\"",
     'train.vehicles=["manchester"]': "did you mean manchester_1?",
@@ -95,7 +96,8 @@ def check_refusals(program, decks, folder):
         path.write_text(text + VEHICLE.format(name=name, kind=kind, to=to), encoding="utf-8")
         refuse(program, path, [], words)
     for changes, words in ((["output.history_interval=1e-6"], "a row is then written after"),
-                           (["train.times=[1]", "train.speeds=[20]"], "of up to 30 m/s2; trains")):
+                           (["train.times=[1]", "train.speeds=[20]"],
+                            "of up to 30 m/s2 in magnitude")):
         ran = program.done(1, "check", decks / "plain.toml", *changes)
         if words not in ran.stdout:
             raise SystemExit(f"{changes} must warn:\n{ran.stdout}")
@@ -117,7 +119,7 @@ def check_files(program, decks, folder):
 
 def check_runs(program, decks, folder):
     hashes = set()
-    for ranks in (1, 2, 3):
+    for ranks in some((1, 3), (1, 2, 3)):
         program.done(ranks, "run", decks / "plain.toml", *SHORT, "--force", "-o", folder / "run")
         hashes.add(summary(folder / "run")["track"]["state_hash"])
     if len(hashes) != 1:
@@ -167,7 +169,7 @@ def check_resume(program, decks, folder):
     deck.write_text((decks / "plain.toml").read_text(encoding="utf-8") + HANGING, encoding="utf-8")
     words = [*SHORT, "pad.bilinear_at=1e-4", "pad.bilinear_stiffness=300e6"]
     program.done(1, "run", deck, *words, "-o", folder / "through")
-    for steps in (1, 100, 203, 249):
+    for steps in some((203,), (1, 100, 203, 249)):
         place = folder / f"stopped_{steps}"
         program.done(2, "run", deck, *words, f"output.stop_after={steps}", "-o", place, code=3)
         if summary(place)["finished"] or summary(place)["windows"] != steps:
@@ -210,14 +212,14 @@ def check_braking(program, decks, folder):
     follows."""
     words = ["train.times=[0.1, 0.4]", "train.speeds=[50, 49.5]", "train.start=25"]
     place = folder / "brakes_1"
-    for ranks in (1, 2, 3, 4):
+    for ranks in some((1, 3), (1, 2, 3, 4)):
         program.done(ranks, "run", decks / "plain.toml", *words, "passage.duration=0.5", "-o",
                      folder / f"brakes_{ranks}")
         same_bits(place, folder / f"brakes_{ranks}", f"braking on {ranks} ranks")
     x = datasets(place)["history/wheel/x"][-1, 0]
     if abs(x - (25 + 50 * 0.1 + 49.75 * 0.3 + 49.5 * 0.1)) > 1e-9:
         raise SystemExit(f"the first axle is at {x} m")
-    for steps in (700, 2100):
+    for steps in some((700,), (700, 2100)):
         stopped = folder / f"brakes_stopped_{steps}"
         program.done(2, "run", decks / "plain.toml", *words, "passage.duration=0.5",
                      f"output.stop_after={steps}", "-o", stopped, code=3)
@@ -268,7 +270,7 @@ def check_bending_sleepers(program, decks, folder):
              "track.sleeper.elements=4"]
     deck, place = folder / "hanging.toml", folder / "bending"
     program.done(1, "run", deck, *words, "-o", place)
-    for ranks in (2, 3, 4):
+    for ranks in some((3,), (2, 3, 4)):
         program.done(ranks, "run", deck, *words, "-o", folder / f"bending_{ranks}")
         same_bits(place, folder / f"bending_{ranks}", f"bending sleepers on {ranks} ranks")
     stopped = folder / "bending_stopped"
@@ -294,7 +296,7 @@ def check_seat_loads(program, decks, folder):
     words = [*SEATS.split(" "), "load.speed=50", "load.start=-3", "passage.points=[30, 42]",
              "passage.step=5e-4"]
     place = folder / "seats_1"
-    for ranks in (1, 2, 3, 4):
+    for ranks in some((1, 3), (1, 2, 3, 4)):
         program.done(ranks, "run", decks / "plain.toml", *words, "-o", folder / f"seats_{ranks}")
         same_bits(place, folder / f"seats_{ranks}", f"seat loads on {ranks} ranks")
     stopped = folder / "seats_stopped"

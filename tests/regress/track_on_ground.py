@@ -14,7 +14,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "support"))
 sys.path.insert(0, str(HERE.parent / "knobs"))
 from ground_knobs import KNOBS  # noqa: E402
-from part import part  # noqa: E402
+from part import part, some  # noqa: E402
 from program import Program, summary  # noqa: E402
 from results import datasets, same_bits  # noqa: E402
 
@@ -112,7 +112,7 @@ def check_refusals(program, deck):
 
 
 def check_ranks(program, deck, folder):
-    for ranks in (1, 2, 3, 4):
+    for ranks in some((1, 3), (1, 2, 3, 4)):
         place = folder / f"ranks_{ranks}"
         program.done(ranks, "run", deck, "-o", place)
         check_balance(place, f"{ranks} ranks")
@@ -130,7 +130,8 @@ def check_ranks(program, deck, folder):
 
 def check_resume(program, deck, folder):
     steps = summary(folder / "ranks_1")["windows"]
-    for stop, before, after in ((1, 2, 3), (steps // 2 + 3, 3, 1), (steps - 1, 1, 2)):
+    middle = (steps // 2 + 3, 3, 1)
+    for stop, before, after in some([middle], [(1, 2, 3), middle, (steps - 1, 1, 2)]):
         place = folder / f"stopped_{stop}"
         program.done(before, "run", deck, f"output.stop_after={stop}", "-o", place, code=3)
         program.done(after, "resume", place)
@@ -151,7 +152,7 @@ def check_implicit(program, deck, folder):
             "pad.bilinear_stiffness=400e6"]
     for name, words in (("one", ["pad.damping=50e3"]), ("both", TWO_RAILS)):
         here = path if name == "both" else deck
-        for ranks in (1, 2, 4):
+        for ranks in some((1, 2), (1, 2, 4)):
             place = folder / f"implicit_{name}_{ranks}"
             program.done(ranks, "run", here, *step, *words, "-o", place)
             check_balance(place, f"implicit, {ranks} ranks", SOLVED)
@@ -223,7 +224,7 @@ def check_bending_sleepers(program, deck, folder):
     """The sum of ballast forces of a sleeper equals the force on the ground; bitwise identical on
     any number of ranks and after a stop."""
     words = ["track.sleeper.model=beam", "track.sleeper.unsupported=0.4"]
-    for ranks in (1, 2, 4):
+    for ranks in some((1, 2), (1, 2, 4)):
         place = folder / f"bending_{ranks}"
         program.done(ranks, "run", deck, *words, "-o", place)
         same_bits(folder / "bending_1", place, f"bending sleepers on {ranks} ranks", facts)
@@ -275,14 +276,14 @@ def check_two_rails(program, deck, folder):
     path = folder / "two_rails.toml"
     path.write_text(deck.read_text(encoding="utf-8") + ONE_END, encoding="utf-8")
     words = [*TWO_RAILS, "vehicle.own.body_offset=0.2"]
-    for ranks in (1, 2, 3, 4):
+    for ranks in some((1, 3), (1, 2, 3, 4)):
         place = folder / f"two_rails_{ranks}"
         program.done(ranks, "run", path, *words, "-o", place)
         same_bits(folder / "two_rails_1", place, f"two rails on {ranks} ranks", facts)
         check_balance(place, "two rails")
         if "roll_moment" not in summary(place)["coupling"]:
             raise SystemExit("no balance of moments about the track")
-    for stop, before, after in ((1, 2, 1), (217, 3, 2)):
+    for stop, before, after in some([(217, 3, 2)], [(1, 2, 1), (217, 3, 2)]):
         place = folder / f"two_rails_stopped_{stop}"
         program.done(before, "run", path, *words, f"output.stop_after={stop}", "-o", place, code=3)
         program.done(after, "resume", place)
