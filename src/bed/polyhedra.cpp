@@ -55,10 +55,9 @@ void PolyhedronParameters::declare(input::Section& s) {
            "Flatness S/I (thickness/width) of the stone, measured like the elongation.");
   s.number(
       "spread", spread, {.at_least = 0, .at_most = 0.5},
-      "Half-width of the uniform distributions of elongation and flatness over the shapes; values "
-      "below 0.1 become 0.1, values above 0.95 become 0.95 (example: with elongation 0.85 and "
-      "spread 0.23, 28 % of the stones receive 0.95); 0: all shapes have exactly the specified "
-      "proportions.");
+      "Half-width of the uniform distributions of elongation and flatness over the shapes, whose "
+      "samples are limited to 0.1 to 0.95 (example: with elongation 0.85 and spread 0.23, 28 % of "
+      "the stones receive 0.95); 0: all shapes have exactly the specified proportions.");
   s.number("angularity", angularity, {.at_least = 0, .at_most = 1},
            "Angularity; 0: corners evenly distributed over an ellipsoid; 1: most angular, with "
            "corners concentrated at few main corners.");

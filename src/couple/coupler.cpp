@@ -292,7 +292,7 @@ std::string Coupler::trouble() const {
   if (impl_->ledger.lost() <= lost) return {};
   return fmt::format(
       "the sum of the contact forces on a surface over one window has a relative error of {:.2g} "
-      "(allowed: {:g}), probably because the sum exceeds the range of its number format; largest "
+      "(allowed: {:g}), probably by overflow of the fixed-point sum; largest "
       "sum at a node: {:.3g} N; shorten the window (time.window, time.substeps)",
       impl_->ledger.lost(), lost, impl_->largest);
 }

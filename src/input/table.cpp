@@ -101,7 +101,7 @@ struct Table {
     if (cells.size() != width) {
       problems.push_back(
           fmt::format("{}:{}: has {} columns, but the line with the names of the columns has {}; "
-                      "complete the row",
+                      "give each row as many",
                       path, line, cells.size(), width));
       return;
     }

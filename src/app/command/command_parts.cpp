@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "app/run/result_folder.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/petsc.hpp"
 
@@ -33,7 +34,8 @@ void warn_of_unused_options(const par::Comm& comm, const std::vector<std::string
     if (option != "no_signal_handler")
       print(comm,
             fmt::format("warning: the PETSc option -{} was set but never used (options of the "
-                        "ground begin with -ground_)\n",
+                        "ground begin with -ground_ and need an equation system: implicit steps or "
+                        "a static equilibrium)\n",
                         option));
 }
 
@@ -61,12 +63,9 @@ int finish(Run& run, const model::RunContext& context) {
   const std::string& checkpoint = run.last_checkpoint();
   if (checkpoint.empty())
     print(comm, "stopped early, before a checkpoint was written: run the deck again\n");
-  else if (checkpoint.starts_with(context.folder + "/"))
-    print(comm, "stopped early; continue with: trackbed resume " + context.folder + "\n");
-  else  // that of another folder, from which this run was resumed
-    print(comm, fmt::format("stopped early, before a checkpoint was written; continue with: "
-                            "trackbed resume {} -o {} --force\n",
-                            checkpoint, context.folder));
+  else
+    print(comm,
+          "stopped early; continue with: " + resume_command(checkpoint, context.folder) + "\n");
   return static_cast<int>(ExitCode::stopped);
 }
 

@@ -164,8 +164,8 @@ int answered(const par::Comm& comm, int code) {
       comm.root() && (!std::cout.flush() || std::fflush(stdout) != 0 || std::ferror(stdout) != 0);
   if (comm.broadcast(lost ? "lost" : "").empty() || code != 0) return code;
   return complain(comm,
-                  "trackbed: the answer cannot be written to standard output; is the disk full, or "
-                  "has the reader of a pipe ended?",
+                  "trackbed: standard output cannot be written (is the disk full, or a pipe "
+                  "closed?)",
                   ExitCode::run_failed);
 }
 

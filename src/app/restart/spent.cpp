@@ -68,9 +68,10 @@ std::string why_spent(std::string_view key, const model::Model& model, const Pos
                model, at.stage,
                {model::StageKind::compact, model::StageKind::shear, model::StageKind::triaxial})
                ? ""
-               : "no stage with a platen is left";
+               : "no stage in which the platen loads the bed is left";
   if (key.starts_with("tamping."))
-    return is_to_come(model, next, {model::StageKind::tamp}) ? "" : "no stage of kind tamp is left";
+    return is_to_come(model, next, {model::StageKind::tamp}) ? ""
+                                                             : "no stage of kind tamp will begin";
   if (key == "settle_average") return at.ground_moved ? "the ground already moves" : "";
   if (key.starts_with("time.") || key == "dem.safety")
     return next < model.stages.size() ? "" : "the steps of the last stage are already chosen";
@@ -128,8 +129,12 @@ std::vector<std::string> other_rows_of_histories(const Values& then, const Value
           !other.contains(key))
         sentences.push_back(fmt::format("{} = {}: {} {}", key, value, path, sentence));
   };
-  only_in(now, then, "is of a run without it, whose histories cannot begin now; leave it out");
-  only_in(then, now, "is of a run with it, whose histories go on; leave it in the deck");
+  only_in(now, then,
+          "belongs to a run without it; regions and sensors cannot be added within a run; "
+          "remove it from the deck");
+  only_in(then, now,
+          "belongs to a run with it; regions and sensors cannot be removed within a run; "
+          "keep it in the deck");
   return sentences;
 }
 

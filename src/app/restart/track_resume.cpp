@@ -31,6 +31,8 @@ nlohmann::json summary_in(const fs::path& folder) {
 
 }  // namespace
 
+bool is_finished(const std::string& folder) { return summary_in(folder).value("finished", false); }
+
 // Rank 0 reads the folder; the summary states the kind of run.
 void require_track_checkpoint(const par::Comm& comm, const std::string& path) {
   std::string found;
@@ -55,8 +57,7 @@ bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const m
   const io::File file = io::open_checkpoint(comm, checkpoint);
   const bool same = require_same_model(comm, file, checkpoint, model, deck);
   require_files(model.track);
-  const bool reported =
-      comm.root() && summary_in(fs::path(checkpoint).parent_path()).value("finished", false);
+  const bool reported = comm.root() && is_finished(fs::path(checkpoint).parent_path().string());
   return !same || comm.broadcast(reported ? "reported" : "").empty();
 }
 

@@ -18,6 +18,8 @@ void require_files(const model::TrackModel& model);
 // Throws InputError if `path` is, or is in, the result folder of a track, alone or on a ground,
 // without a checkpoint. Collective.
 void require_track_checkpoint(const par::Comm& comm, const std::string& path);
+// Whether the summary in the result folder is that of a finished run; on rank 0.
+bool is_finished(const std::string& folder);
 // Whether the run that wrote `checkpoint` is unfinished, or is continued with another deck. Throws
 // InputError as `require_same_model`, and for bad files. Collective.
 bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const model::Model& model,

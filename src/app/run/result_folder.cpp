@@ -18,6 +18,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/restart/track_resume.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/observe/output_parts.hpp"
 
@@ -96,8 +97,8 @@ std::string objection(const std::string& folder, const std::vector<fs::path>& ol
         "choose another folder (-o DIR)",
         folder, start);
   if (remove || old.empty()) return "";
-  // A run that was killed before its first checkpoint cannot be resumed.
-  const bool goes_on = fs::exists(fs::path(folder) / "latest");
+  // A run that is finished, or was killed before its first checkpoint, does not go on.
+  const bool goes_on = fs::exists(fs::path(folder) / "latest") && !is_finished(folder);
   return fmt::format(
       "{}: contains results of an earlier run ({}{}); {}choose another folder (-o DIR) or have "
       "them removed (--force)",
@@ -210,14 +211,20 @@ void write_summary_file(const par::Comm& comm, const std::string& folder, const 
   comm.agree(problem);
 }
 
+std::string resume_command(const std::string& checkpoint, const std::string& folder) {
+  return checkpoint.starts_with(folder + "/")
+             ? "trackbed resume " + folder
+             : fmt::format("trackbed resume {} -o {} --force", checkpoint, folder);
+}
+
 // The sentence also states that there is no checkpoint.
-std::string what_is_left(const std::string& last_checkpoint, const std::string& started_from) {
+std::string what_is_left(const std::string& last_checkpoint, const std::string& started_from,
+                         const std::string& folder) {
   if (last_checkpoint.empty())
     return "no checkpoint was written" +
            (started_from.empty() ? "" : "; the run started from " + started_from);
-  return fmt::format(
-      "last valid checkpoint: {}; after the cause is removed, continue with: trackbed resume {}",
-      last_checkpoint, last_checkpoint);
+  return fmt::format("last valid checkpoint: {}; after the cause is removed, continue with: {}",
+                     last_checkpoint, resume_command(last_checkpoint, folder));
 }
 
 }  // namespace trackbed::app

@@ -44,8 +44,14 @@ FolderLock prepare_folder(const par::Comm& comm, const std::string& folder, OldR
 // folder is locked. Throws RunError if a file cannot be removed. Collective.
 void remove_parts(const par::Comm& comm, const std::string& folder);
 
-// After an error in a run: how to continue it. Empty arguments: no checkpoint, no start from one.
-std::string what_is_left(const std::string& last_checkpoint, const std::string& started_from);
+// Continues a run with results in `folder` from its checkpoint, which is in another folder if the
+// run was resumed from there and has written none.
+std::string resume_command(const std::string& checkpoint, const std::string& folder);
+
+// After an error in a run with results in `folder`: how to continue it. Other arguments may be
+// empty: no checkpoint, no start from one.
+std::string what_is_left(const std::string& last_checkpoint, const std::string& started_from,
+                         const std::string& folder);
 
 // Writes the text of summary.json. Collective; throws RunError.
 void write_summary_file(const par::Comm& comm, const std::string& folder, const std::string& text);

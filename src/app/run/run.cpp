@@ -46,7 +46,7 @@ Outcome Run::execute() {
     scheme_.rescue();
     throw RunError(fmt::format("{} (at {:.6g} s, stage \"{}\"); {}", error.what(),
                                course_.clock.time(), scheme_.stage(),
-                               what_is_left(last_checkpoint_, started_from_)));
+                               what_is_left(last_checkpoint_, started_from_, context_.folder)));
   }
 }
 

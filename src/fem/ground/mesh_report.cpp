@@ -101,11 +101,11 @@ void require_held(const SolidMesh& mesh, const GroundParameters& parameters, con
     if (free.row(k).norm() > 0.1)
       motions.push_back(fmt::format("{} {}", k < 3 ? "move along" : "rotate about",
                                     axes[static_cast<std::size_t>(k % 3)]));
-  throw InputError(
-      {fmt::format("{}: the borders do not hold the ground in static equilibrium: it can {}; add a "
-                   "fixed border, a viscous border at the base, or a roller (it holds displacement "
-                   "along its normal, and rotation about an axis perpendicular to its normal)",
-                   parameters.mesh, fmt::join(motions, " and "))});
+  throw InputError({fmt::format(
+      "{}: the borders do not hold the ground in static equilibrium: it can {}; add a "
+      "fixed border, a viscous border at the base, or a roller (it fixes the displacement "
+      "along its normal and rotations about axes in its plane)",
+      parameters.mesh, fmt::join(motions, " and "))});
 }
 
 // Effect of a border face on a wave along these axes. A free face at an end of the mesh is where
@@ -204,13 +204,13 @@ void warn_of_shapes(const GroundParameters& parameters, const std::vector<double
   const auto poor = std::count_if(ratios.begin(), ratios.end(),
                                   [](double ratio) { return ratio < poor_mean_ratio; });
   if (poor > 0)
-    warnings.push_back(
-        fmt::format("{}: {} of {} tetrahedra are nearly flat: their shape quality (mean ratio, 1: "
-                    "equilateral) is below {:g}, the lowest is "
-                    "{:.2g} (tetrahedron {}{}); time steps are short and stresses inaccurate there",
-                    parameters.mesh.empty() ? "ground.section" : parameters.mesh, poor,
-                    ratios.size(), poor_mean_ratio, *worst, worst - ratios.begin() + 1,
-                    parameters.mesh.empty() ? "" : " of the file"));
+    warnings.push_back(fmt::format(
+        "{}: {} of {} tetrahedra are nearly flat: their shape quality (mean ratio, 1: "
+        "equilateral) is below {:g}, the lowest is "
+        "{:.2g} (tetrahedron {}{}); stresses are inaccurate and explicit steps short there",
+        parameters.mesh.empty() ? "ground.section" : parameters.mesh, poor, ratios.size(),
+        poor_mean_ratio, *worst, worst - ratios.begin() + 1,
+        parameters.mesh.empty() ? "" : " of the file"));
 }
 
 // Stones and pressures act on two straight pieces for a curved edge of the top, so that a uniform

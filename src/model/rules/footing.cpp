@@ -201,8 +201,9 @@ void FootingParameters::declare(input::Section& s) {
   s.number(
       "rails", rails, {.above = 0, .at_most = 2},
       "Number of rails whose load the ground carries: 1 for half a track; 2 for a whole track, "
-      "whether track.dimension is plane or space; less than 1: the ground is a slice narrower than "
-      "half a track; the value is the fraction of one rail's load that it carries.");
+      "whether track.dimension is plane or space; below 1 for a slice that carries this fraction "
+      "of "
+      "the load of one rail.");
 }
 
 // The surface of a plane model is as wide as its thickness. A linear pressure across the footprint

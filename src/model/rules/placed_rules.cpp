@@ -208,8 +208,8 @@ void declare_motion(const Model& model, input::Section& s) {
              model.time.substeps <= contact / 4,
          fmt::format(
              "a window of {} sub-steps is too long: a contact of the lightest stone lasts about "
-             "{:.1f} sub-steps, and impulses, peak forces and supplied work use only the values at "
-             "the ends of windows, of which a contact needs at least four; give at most {:d}",
+             "{:.1f} sub-steps; impulses, peak forces and supplied work are sampled once per "
+             "window, and a contact needs at least four samples; give at most {:d}",
              model.time.substeps, contact, std::max(1, static_cast<int>(contact / 4))),
          {.severity = input::Severity::warning, .reads = {"time.substeps", "dem.safety"}});
   s.rule("time.step", stones.empty() || moves || model.time.step > 0,

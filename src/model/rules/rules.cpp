@@ -76,7 +76,7 @@ void declare_ground_below(const Model& model, input::Section& s) {
   const auto below = [&](const std::string& axis, const auto& bed, const auto& ground) {
     s.rule("bed." + axis, is_within(bed, ground),
            fmt::format("reaches beyond ground.{} ({:g} to {:g} m): stones would fall beside the "
-                       "ground; make the ground longer or the bed shorter",
+                       "ground; extend the ground or reduce the bed",
                        axis, ground[0], ground[1]),
            {.reads = {"ground.present", "ground." + axis, "bed." + axis}});
     if (!model.periodic_in(axis) || model.bed.sieve.empty() || bed.size() != 2) return;
@@ -242,13 +242,14 @@ void declare_oddities(const Model& model, input::Section& s) {
   const auto& ground = model.ground;
   const bool moves = std::any_of(model.stages.begin(), model.stages.end(),
                                  [](const Stage& stage) { return stage.ground_moves; });
-  s.rule("ground.base_stiffness",
-         !ground.present || !moves || ground.base != fem::Base::viscous ||
-             ground.base_stiffness != 0 || !ground.base_motion.empty(),
-         "a viscous base without springs carries no static load: the ground sinks as long as a "
-         "train is on it; give a spring stiffness above 0, a value below 0 to have the stiffness "
-         "chosen, or base = \"fixed\"",
-         {.severity = input::Severity::warning, .reads = {"ground", "stage"}});
+  s.rule(
+      "ground.base_stiffness",
+      !ground.present || !moves || ground.base != fem::Base::viscous ||
+          ground.base_stiffness != 0 || !ground.base_motion.empty(),
+      "a viscous base without springs carries no static load: under any load the ground "
+      "sinks without end; give a spring stiffness above 0, a value below 0 to have the stiffness "
+      "chosen, or base = \"fixed\"",
+      {.severity = input::Severity::warning, .reads = {"ground", "stage"}});
   double held = 0;  // s until the ground moves, at most
   for (std::size_t i = 0; i < model.stages.size() && !model.stages[i].ground_moves; ++i)
     held += model.stages[i].duration;
@@ -266,9 +267,9 @@ void declare_oddities(const Model& model, input::Section& s) {
     const Stage& stage = model.stages[i];
     const bool seated = stage.kind == StageKind::load || stage.kind == StageKind::passage;
     s.rule(fmt::format("stage[{}].seat_force", i), !seated || before == 0 || stage.seat_force != 0,
-           fmt::format("the {:g} N of an earlier stage do not act on the rail seats; give "
-                       "seat_force here too if they are to remain",
-                       before),
+           fmt::format("the seat force of {:g} N of an earlier stage is removed in this stage; "
+                       "give seat_force = {:g} to keep it",
+                       before, before),
            {.severity = input::Severity::warning, .reads = {"stage"}});
     if (seated || stage.kind == StageKind::sleepers) before = stage.seat_force;
   }

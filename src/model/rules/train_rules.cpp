@@ -33,8 +33,8 @@ void declare_presence(const Model& model, input::Section& s) {
   const std::vector<std::string> idle = idle_sections(model);
   s.rule(
       "model", idle.empty(),
-      fmt::format("must be \"track\" or \"track_on_ground\", or a stage must have train = true: "
-                  "otherwise sections of rail and train that are in the deck have no effect ({})",
+      fmt::format("the deck has sections of rail and train ({}), which need a stage with train = "
+                  "true, or model = \"track\" or \"track_on_ground\"",
                   fmt::join(idle, ", ")),
       {.reads = {"model"}});
   const track::SeatParameters none;

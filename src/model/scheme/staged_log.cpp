@@ -61,7 +61,8 @@ void say_model(World& world, const std::string& name) {
   if (!model.has_train()) return;
   const track::TrackParameters& track = model.track.line.track;
   say_values(comm,
-             "  train: {} at {:.2f} km/h over {:g} m of rail; {} sleepers on springs before the "
+             "  train: {}, at first at {:.2f} km/h, over {:g} m of rail; {} sleepers on springs "
+             "before the "
              "bed; the sleepers of the bed carry {:g} rail{}",
              fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6,
              track.length, model.seat.before, model.seat.rails, model.seat.rails == 1 ? "" : "s");
@@ -103,7 +104,7 @@ std::string status_of(const World& world) {
   return fmt::format(
       "E_kin {:.3g} J | largest overlap {:.3g} um | unbalanced {:.2g} | {} contacts{}{}",
       totals.kinetic, totals.largest_overlap * 1e6, totals.unbalanced, totals.contacts,
-      deep > 0 ? fmt::format(" | cores overlapped in {} cases", deep) : "",
+      deep > 0 ? fmt::format(" | {} overlaps above the rounding radii", deep) : "",
       world.platen ? fmt::format(" | platen {:.1f} kPa at {:.4f} m", world.platen->pressure() / 1e3,
                                  world.platen->z())
                    : "");

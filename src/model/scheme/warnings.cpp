@@ -112,8 +112,8 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
   const std::int64_t deep = world.particles.core_overlaps();
   if (deep > world.particles.totals().particles)
     warnings.push_back(fmt::format(
-        "the cores of two stones overlapped in {} cases (each pair counts once in each sub-step), "
-        "that is, by more than the sum of their rounding radii; increase the rounding radius of "
+        "overlaps larger than the sum of both rounding radii occurred {} times (pairs times "
+        "sub-steps); increase the rounding radius of "
         "the stones (rounding, polyhedron.rounding), use stiffer contacts, or reduce speeds",
         deep));
   return warnings;

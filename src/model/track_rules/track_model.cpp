@@ -47,9 +47,8 @@ void declare_seats(const TrackModel& model, input::Section& s) {
          "first in m, for example [0, 2.8] for a bogie",
          about);
   s.rule("track.ends", model.line.track.ends == track::RailEnds::pinned,
-         "must be \"pinned\" if seat loads are applied (passage.loaded_by): the rail then "
-         "remains in the equations without pads and without load, so that only pinned ends hold "
-         "it; the rail does not affect the sleepers",
+         "must be \"pinned\" if seat loads are applied (passage.loaded_by): without pads only its "
+         "ends support the rail, which then does not affect the sleepers",
          about);
 }
 

@@ -88,8 +88,8 @@ void SeatParameters::declare(input::Section& s) {
   s.number(
       "rails", rails, {.above = 0, .at_most = 2},
       "Number of rails whose load the sleepers of the model carry: 1 for half a track; 2 for a "
-      "whole track, whether track.dimension is plane or space; less than 1: the bed is a slice "
-      "narrower than half a track; the value is the fraction of one rail's load that it carries.");
+      "whole track, whether track.dimension is plane or space; below 1 for a slice that carries "
+      "this fraction of the load of one rail.");
 }
 
 TrainOnBed::TrainOnBed(const TrainOnBedParameters& parameters, const std::vector<double>& levels)

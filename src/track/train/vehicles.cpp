@@ -432,10 +432,12 @@ void TrainParameters::declare_changes(input::Section& s) const {
     largest = std::max(largest, std::abs(change) / lasts);
   }
   constexpr double emergency = 3;  // m/s^2, including magnetic track brakes
-  s.rule("speeds", largest <= emergency,
-         fmt::format("require accelerations of up to {:.3g} m/s2; trains brake with at most 3 m/s2",
-                     largest),
-         {.severity = input::Severity::warning, .reads = {"speed", "times", "speeds"}});
+  s.rule(
+      "speeds", largest <= emergency,
+      fmt::format("require accelerations of up to {:.3g} m/s2 in magnitude; even emergency brakes "
+                  "reach at most 3 m/s2",
+                  largest),
+      {.severity = input::Severity::warning, .reads = {"speed", "times", "speeds"}});
 }
 
 }  // namespace trackbed::track
