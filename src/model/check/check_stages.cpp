@@ -37,7 +37,7 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
     say(comm, "  stones: as in " + given.start + "");
   }
   const auto megabytes = static_cast<double>(world.memory()) / (1024 * 1024);
-  say(comm, fmt::format("memory before the first window: at most {:.2g} MB per rank{}",
+  say(comm, fmt::format("memory before the first window: state of at most {:.2g} MB per rank{}",
                         comm.max(megabytes),
                         model.has_stones() ? "; contacts of stones are added during the run" : ""));
 }

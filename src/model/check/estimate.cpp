@@ -134,9 +134,8 @@ std::vector<std::string> warning_of_ground_steps(const World& world, double long
   if (!(steps > many)) return {};
   return {fmt::format(
       "warning: the ground takes up to {:.0f} steps of its own in each window, which is slow (not "
-      "included in the estimate); reduce rayleigh_stiffness of ground, layers and blocks, shorten "
-      "the "
-      "window (time.window, time.substeps), or give larger elements",
+      "included in the estimate); reduce rayleigh_stiffness of ground, layers and blocks, or "
+      "give larger elements",
       steps)};
 }
 

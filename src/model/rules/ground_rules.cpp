@@ -210,37 +210,60 @@ void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension
          {.severity = input::Severity::warning, .reads = {"dimension", "ground"}});
 }
 
-// Integrators with numerical damping of short waves need no other.
+namespace {
+
+// Whether the integrator does not damp the shortest waves.
+bool keeps_short_waves(const fem::GroundParameters& ground) {
+  switch (ground.integrator) {
+    case fem::Integrator::explicit_:
+      return true;
+    case fem::Integrator::newmark:
+      return ground.newmark_gamma == 0.5;
+    case fem::Integrator::hht:
+    case fem::Integrator::bossak:
+      return ground.alpha == 0;
+    case fem::Integrator::generalized_alpha:
+      return ground.rho_inf == 1;
+  }
+  return true;
+}
+
+}  // namespace
+
 void declare_delay(const Model& model, input::Section& s) {
   const fem::GroundParameters& ground = model.ground;
-  const double least = least_damping_of_ground(model);
-  const bool undamped = ground.integrator == fem::Integrator::explicit_ ||
-                        ground.integrator == fem::Integrator::newmark;
   const auto moves = [](const Stage& stage) { return stage.ground_moves; };
-  if (least == 0 || !undamped || std::none_of(model.stages.begin(), model.stages.end(), moves))
+  if (!keeps_short_waves(ground) || std::none_of(model.stages.begin(), model.stages.end(), moves))
     return;
-  const auto require = [&](const std::string& of, double damping) {
+  const auto require = [&](const std::string& of, double damping, double least) {
     const std::string key = of + ".rayleigh_stiffness";
-    s.rule(key, damping >= least,
+    constexpr double rounding = 1e-9;
+    s.rule(key, damping >= least * (1 - rounding),
            fmt::format("is below {:.1e} s (estimate): forces of the stones act on the ground one "
                        "time window late, which adds energy to its shortest waves; give at least "
-                       "this damping, or a shorter time.window",
+                       "this damping",
                        least),
            {.severity = input::Severity::warning,
-            .reads = {key, "time", "dem", "contact", "bed", "ground"}});
+            .reads = {key, "time", "dem", "contact", "bed", "ground", "sleepers", "stage",
+                      "material", "dimension", "thickness"}});
   };
-  bool inherits = false;
-  const auto look_at = [&](const std::string& of, const fem::Elastic& solid) {
+  double of_ground = 0;  // required of all solids without a value of their own
+  const auto look_at = [&](const std::string& of, const fem::Elastic& solid, Modulus modulus) {
+    const double least = least_damping_of_ground(model, solid, modulus);
     if (solid.rayleigh_stiffness >= 0)
-      require(of, solid.rayleigh_stiffness);
+      require(of, solid.rayleigh_stiffness, least);
     else
-      inherits = true;
+      of_ground = std::max(of_ground, least);
   };
-  if (!ground.layers.empty()) look_at("ground.layer[0]", ground.layers.front().solid);
+  if (!ground.layers.empty()) {
+    const fem::Layer& top = ground.layers.front();
+    look_at("ground.layer[0]", top.solid,
+            top.young_file.empty() ? Modulus::known : Modulus::from_file);
+  }
   for (std::size_t b = 0; b < ground.blocks.size(); ++b)
     if (ground.blocks[b].present)
-      look_at(fmt::format("ground.block[{}]", b), ground.blocks[b].solid);
-  if (inherits) require("ground", ground.rayleigh_stiffness);
+      look_at(fmt::format("ground.block[{}]", b), ground.blocks[b].solid, Modulus::known);
+  require("ground", ground.rayleigh_stiffness, of_ground);
 }
 
 // The periods of stones and ground must be equal. Walls of the bed at a periodic end of the ground

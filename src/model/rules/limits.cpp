@@ -190,27 +190,24 @@ double mass_on_pad(const Model& model) {
 
 namespace {
 
-// rad/s, of the elements, estimated as that of rods along all axes, 2 c/h each; infinite if moduli
-// come from a file.
-double highest_frequency(const Model& model) {
+// rad/s, of elements of a solid, estimated as that of rods along all axes, 2 c/h each.
+double highest_frequency(const Model& model, const fem::Elastic& solid) {
   const auto& ground = model.ground;
+  const bool plane = model.dimension == Dimension::plane;
   double squares = 0;  // 1/m^2
   for (const int axis : {0, 1, 2})
-    if (axis != 1 || model.dimension == Dimension::space)
-      squares += std::pow(narrowest(ground.edges(axis)), -2);
-  double fastest = 0;  // m/s, of pressure waves
-  const auto look_at = [&](const fem::Elastic& solid) {
-    const double nu = solid.poisson;
-    fastest = std::max(
-        fastest, std::sqrt(solid.young * (1 - nu) / ((1 + nu) * (1 - 2 * nu) * solid.density)));
-  };
-  for (const auto& layer : ground.layers) {
-    if (!layer.young_file.empty()) return infinite;
-    look_at(layer.solid);
-  }
-  for (const auto& block : ground.blocks)
-    if (block.present) look_at(block.solid);
-  return 2 * fastest * std::sqrt(squares);
+    if (axis != 1 || !plane) squares += std::pow(narrowest(ground.edges(axis)), -2);
+  const double nu = solid.poisson, density = solid.density;
+  const double modulus = plane && ground.plane == fem::PlaneState::stress
+                             ? solid.young / (1 - nu * nu)
+                             : solid.young * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
+  return 2 * std::sqrt(modulus / density * squares);
+}
+
+// The next larger number of two digits: a limit that is printed with two.
+double rounded_up(double value) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  return std::ceil(value / unit) * unit;
 }
 
 }  // namespace
@@ -219,15 +216,16 @@ double highest_frequency(const Model& model) {
 // the coefficient -(k/w) sin(w W), damping of the solid like one of m w^2 beta. With the limit
 // L = 0.5 sqrt(m/k) of the window the latter prevails if
 //   beta > 0.25 W (W/L)^2 sin(a)/a^3,   a = w W.
-// Waves with a < 1.5 are damped by the contacts; at a = 2 the factor is 0.03. Evidence:
-// docs/decisions/stages_and_windows.md.
-double least_damping_of_ground(const Model& model) {
+// Waves with a < 1.5 are damped by the contacts. The factor 0.03 is that at a = 2, 0.07 at a = 1.5,
+// where contacts still help: docs/decisions/stages_and_windows.md.
+double least_damping_of_ground(const Model& model, const fem::Elastic& solid, Modulus modulus) {
   if (!model.has_stones() || !model.ground.present || model.ground.of_tetrahedra()) return 0;
   const double limit = limit_of_top(model).window, window = rough_window(model);
   if (!std::isfinite(limit) || !std::isfinite(window)) return 0;
   constexpr double damped_by_contacts = 1.5;  // rad
-  if (highest_frequency(model) * window < damped_by_contacts) return 0;
-  return 0.03 * window * std::pow(std::min(1.0, window / limit), 2);
+  if (modulus == Modulus::known && highest_frequency(model, solid) * window < damped_by_contacts)
+    return 0;
+  return rounded_up(0.03 * window * std::pow(std::min(1.0, window / limit), 2));
 }
 
 // Explicit sleepers on springs are stable up to 2/w, w = sqrt(k/m), on dashpots up to m/c; both

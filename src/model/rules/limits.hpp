@@ -18,7 +18,7 @@ double rough_step_limit(const Model& model);
 // shortest (sleeper; surface node of the ground, if it moves) on n contacts of the largest
 // stiffness k. The load of a window acts one window late, which adds energy to an oscillator of
 // frequency w at the rate w^2 dt/2; at this limit the damping of the contacts still dissipates
-// more. That of a ground's node acts late, too: see least_damping_of_ground.
+// more. For a ground's own vibrations see least_damping_of_ground.
 struct CouplingLimit {
   double window;       // s, infinite if nothing moves
   std::string body{};  // "sleeper: mass 202 kg"
@@ -36,9 +36,11 @@ CouplingLimit coupling_limit(const Model& model, const Stage& stage);
 CouplingLimit coupling_limit(const Model& model, const std::string& body, double mass,
                              double contacts);
 
-// s, coefficient of stiffness-proportional damping with which the ground dissipates what the delay
-// of the stones' forces adds to its short waves; estimated from the deck, 0 if nothing is added.
-double least_damping_of_ground(const Model& model);
+// s, coefficient of stiffness-proportional damping with which a solid of the ground dissipates what
+// the delay of the stones' forces adds to its short waves, rounded up to two digits. Estimated from
+// the deck; 0 if it has no waves so short, and for tetrahedra, for which there is no estimate.
+enum class Modulus { known, from_file };
+double least_damping_of_ground(const Model& model, const fem::Elastic& solid, Modulus modulus);
 
 // Throws InputError if the deck's sub-step is above `limit`, s, described by `words`.
 void require_stable(const Model& model, const input::Deck& deck, double limit,

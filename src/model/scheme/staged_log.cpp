@@ -61,11 +61,11 @@ void say_model(World& world, const std::string& name) {
   if (!model.has_train()) return;
   const track::TrackParameters& track = model.track.line.track;
   say_values(comm,
-             "  train: {}, at first at {:.2f} km/h, over {:g} m of rail; {} sleepers on springs "
-             "before the "
+             "  train: {} at {:.2f} km/h{} over {:g} m of rail; {} sleepers on springs before the "
              "bed; the sleepers of the bed carry {:g} rail{}",
              fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6,
-             track.length, model.seat.before, model.seat.rails, model.seat.rails == 1 ? "" : "s");
+             model.track.train.times.empty() ? "" : " at first", track.length, model.seat.before,
+             model.seat.rails, model.seat.rails == 1 ? "" : "s");
 }
 
 // Memory is the largest of all ranks, since that rank fails first.
