@@ -174,7 +174,7 @@ def check_full_disk(program, deck, folder):
     good = place / (place / "latest").read_text(encoding="utf-8").splitlines()[0]
     for words in (f"{place}/results.h5.part: ", "(File too large)",
                   f"last valid checkpoint: {good}",
-                  f"continue with: trackbed resume {good.parent}"):
+                  f"continue with: trackbed resume {good}"):
         expect(words in ran.stderr, f"a full disk must say {words}", ran)
     expect(not list(place.glob("*.part")), "nothing half written may stay on a full disk", ran)
     windows = int(good.stem.rpartition("_")[2]) + 100

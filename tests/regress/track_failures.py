@@ -38,7 +38,7 @@ def check_full_disk(path, deck, folder):
         raise SystemExit(f"a full disk must end with 4: {ran}")
     good = place / (place / "latest").read_text(encoding="utf-8").splitlines()[0]
     want(ran.stderr, "(File too large)", f"last valid checkpoint: {good}",
-         f"continue with: trackbed resume {good.parent}")
+         f"continue with: trackbed resume {good}")
     if list(place.glob("*.part")):
         raise SystemExit(f"incomplete files remain: {list(place.iterdir())}")
     Program(path).done(1, "resume", good, f"output.stop_after={int(good.stem[-10:]) + 5}", code=3)

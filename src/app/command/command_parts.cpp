@@ -63,6 +63,8 @@ int finish(Run& run, const model::RunContext& context) {
   const std::string& checkpoint = run.last_checkpoint();
   if (checkpoint.empty())
     print(comm, "stopped early, before a checkpoint was written: run the deck again\n");
+  else if (checkpoint.starts_with(context.folder + "/"))  // the newest
+    print(comm, "stopped early; continue with: trackbed resume " + context.folder + "\n");
   else
     print(comm,
           "stopped early; continue with: " + resume_command(checkpoint, context.folder) + "\n");

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
-#include <sstream>
 
 #include "app/command/command_parts.hpp"
 #include "app/command/commands.hpp"
@@ -54,14 +53,12 @@ void require_can_go_on(const par::Comm& comm, const io::File& file, const std::s
 
 // After the end of the last stage a run is finished, unless it was killed before it wrote its
 // summary. Collective: rank 0 reads it.
-bool is_finished(const par::Comm& comm, const io::File& checkpoint, const model::Model& model,
-                 const std::string& folder) {
+bool run_is_finished(const par::Comm& comm, const io::File& checkpoint, const model::Model& model,
+                     const std::string& folder) {
   if (checkpoint.integer_attribute("/", "stage_finished") == 0 ||
       checkpoint.text_attribute("/", "stage") != model.stages.back().name)
     return false;
-  std::stringstream summary;
-  if (comm.root()) summary << std::ifstream(folder + "/summary.json").rdbuf();
-  const bool reported = summary.str().find("\"finished\": true") != std::string::npos;
+  const bool reported = comm.root() && is_finished(folder);
   return !comm.broadcast(reported ? "reported" : "").empty();
 }
 
@@ -100,7 +97,7 @@ bool stages_left(const std::string& checkpoint, const model::Model& model, const
   require_can_go_on(comm, file, checkpoint, model, deck);
   require_later_stop(file, model, deck);
   const std::string own = folder_of_checkpoint(checkpoint);
-  if (!is_finished(comm, file, model, own)) {
+  if (!run_is_finished(comm, file, model, own)) {
     look_for_histories(file, checkpoint, warnings);
     return true;
   }

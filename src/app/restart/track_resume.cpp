@@ -31,7 +31,11 @@ nlohmann::json summary_in(const fs::path& folder) {
 
 }  // namespace
 
-bool is_finished(const std::string& folder) { return summary_in(folder).value("finished", false); }
+bool is_finished(const std::string& folder) {
+  const nlohmann::json summary = summary_in(folder);
+  const auto finished = summary.find("finished");
+  return finished != summary.end() && *finished == true;
+}
 
 // Rank 0 reads the folder; the summary states the kind of run.
 void require_track_checkpoint(const par::Comm& comm, const std::string& path) {

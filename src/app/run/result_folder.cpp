@@ -212,9 +212,9 @@ void write_summary_file(const par::Comm& comm, const std::string& folder, const 
 }
 
 std::string resume_command(const std::string& checkpoint, const std::string& folder) {
-  return checkpoint.starts_with(folder + "/")
-             ? "trackbed resume " + folder
-             : fmt::format("trackbed resume {} -o {} --force", checkpoint, folder);
+  const bool within = fs::path(checkpoint).parent_path().lexically_normal() ==
+                      (fs::path(folder) / "").parent_path().lexically_normal();
+  return "trackbed resume " + checkpoint + (within ? "" : " -o " + folder + " --force");
 }
 
 // The sentence also states that there is no checkpoint.
