@@ -166,8 +166,8 @@ def table_of(curves, others):
             rms, most, points = found
             share = f" ({100 * rms / span:.1f} % of the range of {other.name})" if span else ""
             lines.append(f"{curve.name} minus {other.name}: root mean square {rms:.4g} "
-                         f"{curve.unit}{share}, largest {most:.4g} {curve.unit} ({points} of "
-                         f"{len(other.x)} points are in the common range)")
+                         f"{curve.unit}{share}, largest magnitude {most:.4g} {curve.unit} "
+                         f"({points} of {len(other.x)} points are in the common range)")
     return "\n".join(lines) + "\n"
 
 

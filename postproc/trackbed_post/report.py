@@ -38,7 +38,7 @@ class Run:
 
     def state(self):
         if not self.summary:
-            return "still running, or killed (no summary.json)"
+            return "still running, or failed (no summary.json)"
         return "finished" if self.summary["finished"] else "stopped early"
 
 

@@ -92,6 +92,7 @@ LEAST_LINES = 2  # of the spectrum in a band: a narrower band is not resolved by
 NEAR_NYQUIST = 0.9  # of half the sampling rate, above which an anti-aliasing filter acts
 
 COMFORT_INTERVAL = 5.0   # s, EN 12299:2009
+COMFORT_STEP = 1 / 200   # s, largest of samples
 MEAN_COMFORT_ROWS = 60   # intervals for the mean comfort: five minutes
 
 # Reference values of levels, ISO 1683:2015, by the unit of the quantity.
@@ -154,8 +155,7 @@ def weighting_wk(frequency):
 
 
 def weighting_wb(frequency):
-    """Magnitude of the weighting Wb of EN 12299:2009 and ISO 2631-4:2001 (vertical acceleration of
-    passengers of trains)."""
+    """Magnitude of the weighting Wb of EN 12299:2009 (vertical acceleration of passengers)."""
     return _weighting(frequency, (16, 0.63), ((2.5, 0.8), (4, 0.8)), 0.4)
 
 
@@ -166,18 +166,24 @@ def weighted_rms(time, acceleration, weighting=weighting_wk):
 
 
 def continuous_comfort(time, acceleration):
-    """CC_z of EN 12299:2009, m/s2: root mean square, weighted by Wb, of each interval of 5 s, of
-    which the last may be left out. The weighting is applied in the frequency domain without a
-    phase, to the record continued by its mean, so that its end has no effect on its begin."""
+    """CC_z of EN 12299:2009, m/s2: root mean square, weighted by Wb, of each whole interval of 5 s;
+    none of a record with fewer than 200 samples in a second, which does not contain the band of Wb.
+    The weighting is applied in the frequency domain without a phase, to the record continued by its
+    mean, so that its end has no effect on its begin."""
     dt = step_of(time)
+    if dt is None:
+        raise ValueError("intervals of comfort need evenly spaced samples")
+    if dt > COMFORT_STEP:
+        return np.empty(0)
     moving = np.concatenate([acceleration - np.mean(acceleration), np.zeros(len(time))])
     lines = np.fft.rfft(moving) * weighting_wb(np.fft.rfftfreq(len(moving), dt))
-    weighted = np.fft.irfft(lines, len(moving))[:len(time)]
-    rows = round(COMFORT_INTERVAL / dt)
-    parts = weighted[:len(weighted) // rows * rows].reshape(-1, rows)
-    return np.sqrt(np.mean(parts**2, axis=1))
+    squares = np.fft.irfft(lines, len(moving))[:len(time)]**2
+    count = int(len(time) * dt / COMFORT_INTERVAL * (1 + 1e-9))
+    ends = np.round(np.arange(count + 1) * COMFORT_INTERVAL / dt).astype(int)
+    return np.sqrt([np.mean(squares[begin:end]) for begin, end in zip(ends, ends[1:])])
 
 
 def mean_comfort(comfort):
-    """Vertical part of the mean comfort N_MV of EN 12299:2009 from five minutes of CC_z."""
-    return 6 * float(np.percentile(comfort, 95))
+    """Vertical part of the mean comfort N_MV of EN 12299:2009 of each five minutes of CC_z."""
+    blocks = comfort[:len(comfort) // MEAN_COMFORT_ROWS * MEAN_COMFORT_ROWS]
+    return 6 * np.percentile(blocks.reshape(-1, MEAN_COMFORT_ROWS), 95, axis=1)

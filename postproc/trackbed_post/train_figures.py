@@ -8,7 +8,7 @@ import numpy as np
 
 from trackbed_post import measures, read
 
-MARKERS = "osD^vP*X"         # of axles in turn
+MARKERS = "osDvP*Xh"         # of axles in turn
 SHOWN_WHEELS = len(MARKERS)  # the first wheels are shown
 
 
@@ -131,9 +131,11 @@ def draw(passing, blocks):
                           color="0.35" if name == "structure" else "tab:green", zorder=0)
         panel.grid(alpha=0.3)
         panel.legend(fontsize=7, ncols=2)
-    for level, (name, (begin, end)) in enumerate(blocks.items()):
-        down.text((begin + end) / 2, 0.03 + 0.05 * level, name, ha="center", fontsize=8,
-                  transform=down.get_xaxis_transform())
+    for level, (name, ends) in enumerate(blocks.items()):
+        begin, end = np.clip(ends, *down.get_xlim())
+        if begin < end:
+            down.text((begin + end) / 2, 0.03 + 0.05 * level, name, ha="center", fontsize=8,
+                      transform=down.get_xaxis_transform(), clip_on=True)
     return figure
 
 

@@ -85,8 +85,10 @@ def numbers(signal):
         if len(comfort):
             found[f"largest CC_z of {len(comfort)} intervals of 5 s (EN 12299)"] = (
                 comfort.max(), "m/s2")
-        if len(comfort) >= signals.MEAN_COMFORT_ROWS:
-            found["vertical part of N_MV (EN 12299)"] = (signals.mean_comfort(comfort), "-")
+        mean = signals.mean_comfort(comfort)
+        if len(mean):
+            found[f"largest vertical part of N_MV of {5 * len(mean)} minutes (EN 12299)"] = (
+                mean.max(), "-")
     if signal.unit == "N" and signal.values.mean() != 0:
         found["dynamic load factor, largest force over mean"] = (
             np.abs(signal.values).max() / abs(signal.values.mean()), "-")

@@ -18,7 +18,7 @@ ORIGIN = 0.02  # of the height, for the line that states the origin
 # Distinct with colour blindness and, the first three, in grey print: Wong 2011,
 # doi:10.1038/nmeth.1618.
 matplotlib.rcParams["axes.prop_cycle"] = matplotlib.cycler(color=[
-    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9", "#CC79A7", "#000000", "#F0E442"])
+    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9", "#CC79A7", "#F0E442", "#000000"])
 
 
 def reason_of(error):

@@ -111,7 +111,7 @@ def test_command_states_the_deviation(run, tmp_path):
     ran = conftest.call(*command, "--shift", "-10")
     assert ran.returncode == 0, ran.stderr
     assert "minus published: root mean square 0.0007071 m" in ran.stdout
-    assert "largest 0.001 m (2 of 2 points are in the common range)" in ran.stdout
+    assert "largest magnitude 0.001 m (2 of 2 points are in the common range)" in ran.stdout
     rows = (tmp_path / "out/curve.csv").read_text(encoding="utf-8").splitlines()
     assert rows[0] == "curve,x,y" and len(rows) == 1 + len(X) + 2
     assert (tmp_path / "out/curve.png").stat().st_size > 5000

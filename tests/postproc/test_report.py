@@ -75,7 +75,7 @@ def test_report_of_two_runs_needs_no_other_file(tmp_path):
     assert ran.returncode == 0, ran.stderr
     page = Page(path.read_text(encoding="utf-8"))
     cells = page.text["td"]
-    for cell in ("finished", "still running, or killed (no summary.json)", "5 < 6",
+    for cell in ("finished", "still running, or failed (no summary.json)", "5 < 6",
                  "trackbed 0.1.0, commit abc", "1.5", "passage", "1.25", "track, s", "1.125"):
         assert cell in cells, cell
     assert any("one: wheels lost contact in 3 % & more" in text for text in page.text["p"])
