@@ -38,7 +38,8 @@ set(TRACKBED_OF_RANKS PROCESSORS 3)
 
 # trackbed_sweep(<test> COMMAND <word>... [EVERY <n>] [FIRST <k>] [PROPERTIES <name> <value>...])
 # A script with many cases. The test takes every nth of them from number k on; <test>_of_all, in the
-# long tier, takes all (tests/support/part.py). Without EVERY there is only the first.
+# long tier, takes all (tests/support/part.py). Without EVERY there is only the first. Scripts may
+# also choose by `some`, for example numbers of ranks; they then only distinguish EVERY 1.
 function(trackbed_sweep name)
   cmake_parse_arguments(SWEEP "" "EVERY;FIRST" "COMMAND;PROPERTIES" ${ARGN})
   set(forms ${name})

@@ -1,5 +1,6 @@
-"""Spack recipe. Copy it to packages/trackbed/package.py of a repository of recipes of your own."""
+"""Recipe for Spack 1.0: packages/trackbed/package.py of a repository of recipes of your own."""
 from spack.package import *
+from spack_repo.builtin.build_systems.cmake import CMakePackage
 
 
 class Trackbed(CMakePackage):

@@ -19,8 +19,12 @@ from program import Program, expect  # noqa: E402
 
 
 def call(*words, **options):
-    return subprocess.run([str(word) for word in words], check=True, capture_output=True,
-                          text=True, **options)
+    ran = subprocess.run([str(word) for word in words], check=False, capture_output=True, text=True,
+                         **options)
+    if ran.returncode:
+        raise SystemExit(f"{words} ended with {ran.returncode}:\n{ran.stdout[-3000:]}\n"
+                         f"{ran.stderr[-3000:]}")
+    return ran
 
 
 def unpacked(cmake, source, build, folder):
@@ -41,9 +45,13 @@ def unpacked(cmake, source, build, folder):
 def installed_on_debian(source, package, root):
     """Installs the package on a fresh Debian in the folder `root`, by the commands of the last
     stage of cmake/Containerfile, and runs a deck there on two ranks and the post-processing."""
-    lists = [path for path in pathlib.Path("/etc/apt").glob("sources.list*/*.sources")]
+    lists = list(pathlib.Path("/etc/apt/sources.list.d").glob("*.sources"))
+    if not lists:
+        raise SystemExit("no /etc/apt/sources.list.d/*.sources names the archive of Debian")
     address = re.search(r"^URIs: *(\S+)", lists[0].read_text(encoding="utf-8"), re.M).group(1)
-    call("debootstrap", "--variant=minbase", "bookworm", root, address)
+    release = re.search(r"^VERSION_CODENAME=(\w+)", pathlib.Path("/etc/os-release").read_text(
+        encoding="utf-8"), re.M).group(1)
+    call("debootstrap", "--variant=minbase", release, root, address)
     for path in lists:
         shutil.copy(path, root / "etc/apt/sources.list.d")
     (root / "etc/apt/sources.list").unlink(missing_ok=True)
@@ -55,8 +63,11 @@ def installed_on_debian(source, package, root):
 
     def run(*words):
         return call("chroot", root, *words, env=environment).stdout
-    for command in re.findall(r"^RUN (.*)$", last, re.M):
-        run("bash", "-c", command.replace("install -y", "install -y -q"))
+    commands = re.findall(r"^RUN (.*[^\\\\])$", last, re.M)
+    if not commands:
+        raise SystemExit("cmake/Containerfile installs nothing")
+    for command in commands:
+        run("bash", "-c", command)
     run("mpirun", "-n", "2", "--oversubscribe", "trackbed", "run",
         "/usr/share/trackbed/inputs/verify/impact.toml", "-o", "/results")
     listed = run("trackbed_post", "list", "/results")
