@@ -48,7 +48,7 @@ def check_old_results(program, deck, folder):
     before = contents(made)
     for ranks in (1, 2):
         refused(program, ranks, ["run", deck, "-o", made], [made, "--force", "run (", "); choose"])
-    stopped = folder / "stopped"
+    stopped = folder / "stopped_early"
     program.done(1, "run", deck, "output.stop_after=5", "-o", stopped, code=3)
     refused(program, 1, ["run", deck, "-o", stopped],
             [stopped, "--force", f"trackbed resume {stopped}", "-o DIR"])
