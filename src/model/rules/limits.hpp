@@ -36,10 +36,10 @@ CouplingLimit coupling_limit(const Model& model, const Stage& stage);
 CouplingLimit coupling_limit(const Model& model, const std::string& body, double mass,
                              double contacts);
 
+enum class Modulus { known, from_file };
 // s, coefficient of stiffness-proportional damping with which a solid of the ground dissipates what
 // the delay of the stones' forces adds to its short waves, rounded up to two digits. Estimated from
 // the deck; 0 if it has no waves so short, and for tetrahedra, for which there is no estimate.
-enum class Modulus { known, from_file };
 double least_damping_of_ground(const Model& model, const fem::Elastic& solid, Modulus modulus);
 
 // Throws InputError if the deck's sub-step is above `limit`, s, described by `words`.

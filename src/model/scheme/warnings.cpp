@@ -113,8 +113,9 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
   if (deep > world.particles.totals().particles)
     warnings.push_back(fmt::format(
         "overlaps larger than the sum of both rounding radii occurred {} times (pairs times "
-        "sub-steps); increase the rounding radius of "
-        "the stones (rounding, polyhedron.rounding), use stiffer contacts, or reduce speeds",
+        "sub-steps); increase the rounding radius of the stones (rounding, polyhedron.rounding), "
+        "use "
+        "stiffer contacts, or reduce speeds",
         deep));
   return warnings;
 }
