@@ -159,10 +159,16 @@ def check_sentences(bench):
                         bench.folder / "nowhere")
     if ran.returncode != 2 or (bench.folder / "nowhere").exists():
         raise SystemExit("a refused run must leave nothing behind")
-    ran = bench.program(1, "run", deck, f"bed.cell={bench.cell}", *TILE, "--force", "-o",
-                        bench.cell)
-    if ran.returncode != 2 or "from which this run starts: results" not in ran.stderr:
-        raise SystemExit(f"a run must not replace its own cell:\n{ran.stdout}{ran.stderr}")
+    # Also if it starts from another checkpoint.
+    more = bench.folder / "more.toml"
+    more.write_text(text + '\n[[stage]]\nname = "rest"\nkind = "settle"\nduration = 0.1\n',
+                    encoding="utf-8")
+    for of, start in ((deck, []),
+                      (more, [f"start={bench.folder / 'ring_1' / 'stage_lay.h5'}", RING])):
+        ran = bench.program(1, "run", of, f"bed.cell={bench.cell}", *TILE, *start, "--force",
+                            "-o", bench.cell)
+        if ran.returncode != 2 or "from which this run starts: results" not in ran.stderr:
+            raise SystemExit(f"a run must not replace its own cell:\n{ran.stdout}{ran.stderr}")
 
 
 def main():

@@ -78,7 +78,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   // that cannot be made is reported at once.
   const FolderLock lock =
       prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse,
-                     start.empty() ? model.bed.cell : start);
+                     {start, model.bed.cell});
   model::RunContext context(comm, model, deck, arguments.deck, folder);
   const std::unique_ptr<model::Scheme> scheme = model::make_scheme(context, to_place.shapes);
   Run run(context, *scheme);

@@ -180,8 +180,9 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   look_at_profiles(model, warnings);
   // Results beside the checkpoint are those of this run; any other folder is prepared as for `run`.
   if (!place.at_home)
-    lock.emplace(prepare_folder(
-        comm, place.folder, arguments.force ? OldResults::remove : OldResults::refuse, checkpoint));
+    lock.emplace(prepare_folder(comm, place.folder,
+                                arguments.force ? OldResults::remove : OldResults::refuse,
+                                {checkpoint}));
   else if (!lock)
     lock.emplace(comm, place.folder);
   model::RunContext context(comm, model, deck, stored.name, place.folder);

@@ -86,16 +86,17 @@ bool start_lies_in(const fs::path& start, const fs::path& folder) {
 // Why the run is refused, or empty. On rank 0. In this order: not a folder, a start that would be
 // removed, existing results. Each sentence names the remedy.
 std::string objection(const std::string& folder, const std::vector<fs::path>& old,
-                      OldResults old_results, const std::string& start) {
+                      OldResults old_results, const std::vector<std::string>& origins) {
   if (fs::exists(folder) && !fs::is_directory(folder))
     return fmt::format("{}: is not a folder; choose another name for the result folder (-o DIR)",
                        folder);
   const bool remove = old_results == OldResults::remove;
-  if ((remove || !old.empty()) && start_lies_in(start, folder))
-    return fmt::format(
-        "{}: contains {}, from which this run starts: results in this folder cannot be replaced; "
-        "choose another folder (-o DIR)",
-        folder, start);
+  for (const std::string& origin : origins)
+    if ((remove || !old.empty()) && start_lies_in(origin, folder))
+      return fmt::format(
+          "{}: contains {}, from which this run starts: results in this folder cannot be replaced; "
+          "choose another folder (-o DIR)",
+          folder, origin);
   if (remove || old.empty()) return "";
   // A run that is finished, or was killed before its first checkpoint, does not go on.
   const bool goes_on = fs::exists(fs::path(folder) / "latest") && !is_finished(folder);
@@ -177,14 +178,14 @@ void remove_parts(const par::Comm& comm, const std::string& folder) {
 }
 
 FolderLock prepare_folder(const par::Comm& comm, const std::string& folder, OldResults old_results,
-                          const std::string& start) {
+                          const std::vector<std::string>& origins) {
   // Rank 0 reads the folder and broadcasts: file systems may be updated late on other nodes.
   // Nothing is removed before all checks have passed.
   std::vector<fs::path> old;
   std::string problem;
   if (comm.root()) try {
       old = results_in(folder);
-      problem = objection(folder, old, old_results, start);
+      problem = objection(folder, old, old_results, origins);
     } catch (const fs::filesystem_error& error) {
       problem = fmt::format("{}: cannot be searched for results: {}", folder, error.what());
     }

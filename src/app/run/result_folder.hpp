@@ -3,6 +3,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "trackbed/par/comm.hpp"
 
@@ -33,12 +34,12 @@ class FolderLock {
 };
 
 // Makes `folder` if needed and removes results of an earlier run; files that trackbed does not
-// write remain. `start`: the checkpoint the new run starts from (a file or its folder), or empty.
-// Throws InputError, with everything unchanged, if there are results and they are not to be
-// removed, or if `start` is one of them; RunError if a file cannot be removed. Collective: rank 0
-// decides.
+// write remain. `origins`: the checkpoints that the new run or its deck names (files or their
+// folders; an empty text is none). Throws InputError, with everything unchanged, if there are
+// results and they are not to be removed, or if an origin is one of them; RunError if a file cannot
+// be removed. Collective: rank 0 decides.
 FolderLock prepare_folder(const par::Comm& comm, const std::string& folder, OldResults old_results,
-                          const std::string& start);
+                          const std::vector<std::string>& origins);
 
 // Removes partly written results of a killed run in `folder` (NAME.part); to be called while the
 // folder is locked. Throws RunError if a file cannot be removed. Collective.
