@@ -69,11 +69,13 @@ set(TRACKBED_TEST_RUNS ${CMAKE_BINARY_DIR}/tests/runs)
 set(TRACKBED_VERIFICATION ${CMAKE_BINARY_DIR}/verification)
 
 # trackbed_test(<file without .cpp> RANKS <n>... LINKS <module>... [LABELS <label>...]
-#               [TIMEOUT <s>])
-# The tests of a file, run once for each number of ranks as <file>_on_<n>. The files of a folder are
-# one executable, <folder above>_<folder>_tests, since each costs a link.
+#               [LONG <n>...] [TIMEOUT <s>])
+# The tests of a file, run once for each number of ranks as <file>_on_<n>. Numbers of ranks in LONG
+# belong to the long tier; if there is a test on 3 ranks, so do all numbers but 1 and 3, the least
+# number whose parts differ in their neighbours. The files of a folder are one executable,
+# <folder above>_<folder>_tests, since each costs a link.
 function(trackbed_test name)
-  cmake_parse_arguments(TEST "" "TIMEOUT" "RANKS;LINKS;LABELS" ${ARGN})
+  cmake_parse_arguments(TEST "" "TIMEOUT" "RANKS;LINKS;LABELS;LONG" ${ARGN})
   if(NOT TEST_RANKS)
     message(FATAL_ERROR "trackbed_test(${name}): without RANKS the test would never run")
   endif()
@@ -90,6 +92,10 @@ function(trackbed_test name)
   target_link_libraries(${program} PRIVATE ${TEST_LINKS})
   if(NOT TEST_TIMEOUT)
     set(TEST_TIMEOUT 300)
+  endif()
+  if(3 IN_LIST TEST_RANKS)
+    list(APPEND TEST_LONG ${TEST_RANKS})
+    list(REMOVE_ITEM TEST_LONG 1 3)
   endif()
   foreach(ranks ${TEST_RANKS})
     set(test ${name}_on_${ranks})
@@ -114,6 +120,10 @@ function(trackbed_test name)
     if("verify" IN_LIST TEST_LABELS)
       set_property(TEST ${test} APPEND PROPERTY
                    ENVIRONMENT "TRACKBED_VERIFICATION=${TRACKBED_VERIFICATION}")
+    endif()
+    if(ranks IN_LIST TEST_LONG)
+      set_property(TEST ${test} APPEND PROPERTY LABELS study)
+    elseif("verify" IN_LIST TEST_LABELS)
       set_tests_properties(${test} PROPERTIES FIXTURES_SETUP verification)
     endif()
   endforeach()
