@@ -22,7 +22,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 # Chapters of the navigation: title -> documents of docs/.
 CHAPTERS = {
-    "First steps": ("tutorial", "cookbook"),
+    "First steps": ("tutorial", "gallery", "cookbook"),
     "User guide": ("running", "track", "bed", "stones", "ground", "solid_track", "shapes",
                    "laboratory", "postproc"),
     "Reference": ("input", "checkpoint", "glossary", "verification", "theory"),

@@ -142,6 +142,8 @@ def coloured(vtk, grid, name, unit):
     bar.SetLookupTable(table)
     bar.SetTitle(array.GetName() + unit(array, on_points))
     bar.SetMaximumHeightInPixels(SIZE[1] // 2)
+    bar.SetVerticalTitleSeparation(12)  # pixels
+    bar.SetLabelFormat("%.3g")
     for text in (bar.GetTitleTextProperty(), bar.GetLabelTextProperty()):
         text.SetColor(0, 0, 0)
         text.ShadowOff()
