@@ -213,6 +213,7 @@ def main():
     cases = [Ours(program, folder, law, ranks) for law in LAWS for ranks in RANKS]
     theirs = [in_lammps(programs, ours, folder) for ours in cases]
     found = [[[] for _ in programs] for _ in cases]
+    print("particle-steps per second and core")
     print("law     ranks   trackbed" + "".join(f"  {Path(p).name:>9}  ratio" for p in programs))
     for _ in range(runs):
         for ours, others, kept in zip(cases, theirs, found):

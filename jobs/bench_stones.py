@@ -236,8 +236,10 @@ def beside_lammps(program, folder, cases):
 
 
 def table(cases):
-    print("deck      law     ranks  stones  contacts  touched  steps/s/core  by CPU time"
-          "   list time  B/stone  without contacts  over one rank")
+    print("deck      law     ranks  stones  contacts  touched  stone-steps   by CPU time"
+          "   list time  B/stone  without contacts  core over that\n"
+          "                                  /stone   /stone  /s/core       /s/core"
+          "                                         on one rank")
     for case in cases:
         dem = case.runs[-1]
         alone = next(c for c in cases if (c.name, c.law, c.ranks) == (case.name, case.law, 1))

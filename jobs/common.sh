@@ -100,7 +100,7 @@ END
   ) || return 1
   file=$PWD/$folder/stage_$stage.h5
   if [ ! -f "$file" ]; then
-    echo "$file is missing; the variant starts from it: first run" \
+    echo "$file is missing; the run without wedge starts from it; first run" \
       "build/release/trackbed run $deck -o $folder" >&2
     return 1
   fi

@@ -440,8 +440,8 @@ class Loop:
     def report_kept_rounds(self):
         table, more = self.given.folder / "handover.csv", len(self.table) > len(self.rows)
         if more and self.later_rows():
-            print(f"{table} still contains rounds of an earlier command: round "
-                  f"{self.given.rounds} and later")
+            print(f"{table} keeps round {self.given.rounds} and later, computed by an earlier "
+                  "command for this loop")
         elif more:
             print(f"{table} contained further rounds of another loop, which were removed")
 

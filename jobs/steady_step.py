@@ -79,7 +79,7 @@ def main():
     given.folder.mkdir(parents=True, exist_ok=True)
     with open(given.folder / "steady_step.csv", "w", newline="") as file:
         table = csv.writer(file)
-        table.writerow(["stones", "friction", "k_s over k_n", "zeta", "longest safety"])
+        table.writerow(["stones", "friction", "k_s over k_n", "zeta", "largest safety"])
         for kind in given.stones:
             # The overlap of balls is limited by their own radius, not by a rounding radius.
             limit = "5" if kind in ("polyhedra", "compound") else "1"
@@ -89,7 +89,7 @@ def main():
             for row in of_kind(given.program, given.folder, kind, shape):
                 table.writerow(row)
                 file.flush()
-                print("{} friction {} k_s/k_n {} zeta {}: longest stable dem.safety {:.2f}".format(
+                print("{} friction {} k_s/k_n {} zeta {}: largest stable dem.safety {:.2f}".format(
                     *row), flush=True)
 
 

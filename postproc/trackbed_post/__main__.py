@@ -1,4 +1,4 @@
-"""The command line: python3 -m trackbed_post COMMAND ..."""
+"""Figures, tables and films of trackbed runs"""
 import argparse
 import os
 import pathlib
@@ -34,7 +34,7 @@ def print_folders(folders):
 
 
 def figures(given):
-    """all figures of a run, and a table of its numbers"""
+    """figures and a table of numbers of one run, or of several side by side"""
     print_folders(kinds.draw_figures(given.results, given.output, given.kind, given.format))
 
 
@@ -86,7 +86,8 @@ def run_sweep(given):
     """runs a deck with several values of parameters; mean and band over the seeds"""
     varied = {key: values for key, *values in given.vary}
     if len(varied) < len(given.vary):
-        raise read.Unreadable("a parameter has two --vary; list all its values after one")
+        raise read.Unreadable("--vary is given twice for the same parameter; list all its values "
+                              "after one --vary")
     if given.ranks < 1:
         raise read.Unreadable(f"--ranks {given.ranks}: must be at least 1")
     if empty := [key for key, values in varied.items() if not values]:
@@ -135,12 +136,13 @@ def parser():
                          help=f"one or more of {', '.join(FORMATS)}, with commas between them; "
                          "csv: the lines of each figure")
 
-    for name in ("figures", "compare"):
+    for name in ("figures", "compare"):  # two names of one command
         one = command(name, figures)
         takes_runs(one)
         draws(one)
         one.add_argument("--kind", choices=kinds.KINDS, default="",
-                         help="only these; default: all that the deck of the first run suggests")
+                         help="draw only figures of this kind; default: the kinds that suit the "
+                         "deck of the first run")
     one = command("report", write_report)
     takes_runs(one)
     writes(one, "FILE.html")
@@ -155,23 +157,26 @@ def parser():
     one.add_argument("-o", "--output", required=True, metavar="FILE.png")
     one.add_argument("--array", help="default: the first one that is not constant")
     one.add_argument("--view", choices=still.VIEWS, default="side",
-                     help="from where; default: %(default)s")
+                     help="direction of view; default: %(default)s")
     one = command("vibration", draw_vibration)
     one.add_argument("results", type=pathlib.Path, metavar="RESULT_DIR")
     one.add_argument("quantity", help="a history such as sleeper/acceleration or wheel/force")
     one.add_argument("--place", type=int, default=-1,
-                     help="number of its column, from 0; default: that of the largest root mean "
-                          "square")
+                     help="column of the history (sleeper, wheel, ...), counted from 0; default: "
+                          "the one with the largest standard deviation")
     one.add_argument("--measured", default="", metavar="FILE[:COLUMN]", help="CSV, MAT or WAV")
     one.add_argument("--cut-off", type=float, default=100.0, metavar="HZ",
-                     help="of the low pass; default: %(default)g")
+                     help="cut-off frequency of the low-pass filter of the time history; default: "
+                          "%(default)g")
     draws(one)
     one = command("geometry", draw_geometry)
     one.add_argument("sources", type=pathlib.Path, nargs="+", metavar="FILE.csv|RESULT_DIR")
     one.add_argument("--twist-base", type=float, nargs="+", default=list(geometry.BASES),
-                     metavar="M", help="default: 3")
+                     metavar="M",
+                     help="lengths over which twist is computed, m; default: 3")
     one.add_argument("--window", type=float, default=geometry.WINDOW, metavar="M",
-                     help="of sliding standard deviations; default: %(default)g")
+                     help="length of the sliding window of the standard deviation, m; default: "
+                          "%(default)g")
     draws(one)
     one = command("curve", draw_curve)
     one.add_argument("quantity", help="a dataset such as history/rail/displacement")

@@ -68,7 +68,8 @@ def _read(path, name):
         item = file[name]
         scales = item.dims[0].values()
         if not scales:
-            raise read.Unreadable(f"{name} of {path} has no axis: results of an older version")
+            raise read.Unreadable(f"{name} of {path} has no axis: results of an older "
+                                  "version; run the deck again")
         along = item.parent["x"] if scales[0].name.endswith("/place") and "x" in item.parent \
             else scales[0]
         x, values = along[()], np.asarray(item[()], dtype=float)

@@ -115,9 +115,10 @@ def dilation_angle(axial, volumetric):
 
 def draw_shear(runs, folder):
     figure, (top, bottom) = plt.subplots(2, 1, figsize=(7, 8), sharex=True, layout="constrained")
-    lines = ["direct shear, at the peak\n"
-             "                    sigma       tau  sigma plane  friction angle, deg   dilation  at"
-             "\n                      kPa       kPa          kPa   platen    plane      angle, deg"
+    lines = ["direct shear: values at the peak of tau over the normal stress on the plane; dilation"
+             " angle of the last two thirds of the displacement\n"
+             "                 sigma, kPa       tau  sigma, kPa  friction angle, deg   dilation  at"
+             "\n                  of platen       kPa  on plane   platen    plane      angle, deg"
              "  mm"]
     for run in runs:
         got = shear(run)
@@ -160,7 +161,8 @@ def strength(got):
 def draw_triaxial(runs, folder):
     figure, (top, bottom) = plt.subplots(2, 1, figsize=(7, 8), sharex=True, layout="constrained")
     lines = ["triaxial            sigma_3  peak q  friction angle, deg  at axial     dilation  "
-             "E at 0.5 %\n                        kPa     kPa      peak     last    strain, %"
+             "secant E to 0.5 %"
+             "\n                        kPa     kPa      peak     last    strain, %"
              "  angle, deg         MPa"]
     for run in runs:
         got = triaxial(run)
@@ -216,8 +218,8 @@ def draw_compression(runs, folder):
 
 def draw_heaps(runs, folder):
     figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
-    lines = ["heap                angle of repose, deg   scatter of "
-             f"{heap.SECTORS} sectors   stones"]
+    lines = ["heap                angle of repose, deg   standard deviation of "
+             f"{heap.SECTORS} sectors, deg   stones"]
     reach = np.zeros(2)
     for k, (run, path) in enumerate(runs):
         saved = read.checkpoint(path)
@@ -230,7 +232,7 @@ def draw_heaps(runs, folder):
             slope, foot = np.polyfit(points[:, 0], points[:, 1], 1)
             reach = np.array([0, -foot / slope])
             axes.plot(reach, foot + slope * reach, color=f"C{k}", lw=1)
-        lines.append(f"{run.name:19} {angle:20.1f} {scatter:22.1f} {stones:8}")
+        lines.append(f"{run.name:19} {angle:20.1f} {scatter:34.1f} {stones:8}")
     for name, (low, high) in PUBLISHED_REPOSE.items():
         lines.append(f"published           {name}: {low:g} to {high:g} deg")
         for angle in (low, high):
@@ -238,7 +240,7 @@ def draw_heaps(runs, folder):
                       * reach, "--", color="0.5", lw=1)
         axes.plot([], [], "--", color="0.5", label=f"{low:g} and {high:g} deg: {name}")
     axes.set_aspect("equal")
-    axes.set_xlabel("radius of the circle with the area of the heap above a height, m")
+    axes.set_xlabel("radius of a circle with the area of the heap at this height, m")
     axes.set_ylabel("height, m")
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)

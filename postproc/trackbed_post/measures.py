@@ -198,14 +198,14 @@ def loading_frequencies(results):
 
 
 ROWS = (  # label, unit, field, factor
-    ("ground displacement on the structure", "mm", "structure_displacement", 1e3),
-    ("ground displacement, plain track beyond", "mm", "far_displacement", 1e3),
+    ("largest ground displacement on the structure", "mm", "structure_displacement", 1e3),
+    ("median ground displacement on plain track", "mm", "far_displacement", 1e3),
     (f"width of the transition ({REACHED:.0%} of the change)", "m", "width", 1),
-    ("steepest slope of the ground, whole line", "mm/m", "steepest", 1e3),
+    ("steepest slope of the ground displacement", "mm/m", "steepest", 1e3),
     ("  which is at x =", "m", "steepest_x", 1),
-    ("steepest slope within a spacing of the edge", "mm/m", "edge_slope", 1e3),
-    ("mean stress over the last spacing on the structure", "kPa", "stress_structure", 1e-3),
-    ("mean stress over the first spacing beyond it", "kPa", "stress_beyond", 1e-3),
+    ("the same within a sleeper spacing of the edge", "mm/m", "edge_slope", 1e3),
+    ("mean stress, last sleeper spacing on structure", "kPa", "stress_structure", 1e-3),
+    ("mean stress, first sleeper spacing beyond it", "kPa", "stress_beyond", 1e-3),
     ("stress jump at the edge, difference of these means", "kPa", "stress_jump", 1e-3),
     ("largest sleeper displacement in the passage", "mm", "sleeper_displacement", 1e3),
     ("largest residual sleeper displacement after it", "mm", "sleeper_residual", 1e3),
@@ -325,7 +325,8 @@ def effect(first, second, by_wedge):
     # A jump may be near zero, so its change is relative to the stress itself.
     if second.stress_level:
         change = (first.stress_jump - second.stress_jump) / abs(second.stress_level)
-        lines.append(f"stress jump: {change:+.0%} of the stress at the edge: "
+        lines.append("change of the stress jump relative to the mean stress at the edge: "
+                     f"{change:+.0%}: "
                      f"{_verdict(change, -1, by_wedge)}")
     return lines
 

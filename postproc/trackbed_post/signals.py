@@ -32,9 +32,15 @@ class LowPass:
         return dt is not None and 2 * self.cut_off * dt < 1 and len(time) > 6 * self.order
 
     def name_for(self, time):
-        return self.name if self.applies_to(time) else (
-            f"unfiltered: rows uneven, fewer than {6 * self.order + 1}, or "
-            f"{500 / self.cut_off:g} ms or more apart")
+        if self.applies_to(time):
+            return self.name
+        dt = step_of(time)
+        if dt is None:
+            return "not filtered: rows unevenly spaced"
+        if 2 * self.cut_off * dt >= 1:
+            return (f"not filtered: rows {1e3 * dt:.3g} ms apart, less than "
+                    f"{500 / self.cut_off:g} ms needed")
+        return f"not filtered: {len(time)} rows, {6 * self.order + 1} needed"
 
     def __call__(self, time, values, at_rest=False):
         """Filters along the first axis; returns the values unchanged if it does not apply.

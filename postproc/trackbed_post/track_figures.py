@@ -128,7 +128,8 @@ def wheel_numbers(run, length, run_in, extremes):
         path = track_measures.loaded_rail(history(run, "wheel/x")[:, wheels[0]],
                                           history(run, "wheel/height")[:, wheels[0]], 0, length)[1]
         if len(path):
-            found["loaded rail under the first wheel, D1 (3 to 25 m), root mean square"] = (
+            found["level of the loaded rail under the first wheel, wavelengths of 3 to 25 m (D1), "
+                  "root mean square"] = (
                 1e3 * path.std(), "mm")
     return found
 

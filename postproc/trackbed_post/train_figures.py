@@ -90,7 +90,8 @@ def numbers(passing):
             -1e3 * np.nanmean(passing.lowest[axle]), "mm")
         found[f"axle {axle + 1}, largest downward sleeper displacement, largest of sleepers"] = (
             -1e3 * np.nanmin(passing.lowest[axle]), "mm")
-        found[f"axle {axle + 1}, mean increase of this displacement relative to axle 1"] = (
+        found[f"axle {axle + 1}, largest downward sleeper displacement minus that of axle 1, "
+              "mean of sleepers"] = (
             1e3 * np.nanmean(passing.sunk_since_first()[axle]), "mm")
     if passing.seats is not None:
         lean = passing.seats[..., 0] - passing.seats[..., 1]
@@ -98,8 +99,9 @@ def numbers(passing):
         found["left minus right seat height of a sleeper, smallest"] = (1e3 * lean.min(), "mm")
     found["rail above the sleepers, down, largest"] = (-1e3 * passing.rail.min(), "mm")
     left = -1e3 * passing.left
-    found["residual displacement of sleepers with the ground, down, mean"] = (left.mean(), "mm")
-    found["residual displacement of sleepers with the ground, down, largest"] = (left.max(), "mm")
+    residual = "residual downward displacement of sleepers, ground included"
+    found[f"{residual}, mean"] = (left.mean(), "mm")
+    found[f"{residual}, largest"] = (left.max(), "mm")
     return found
 
 

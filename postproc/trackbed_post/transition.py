@@ -192,12 +192,13 @@ def width_of(distance, level, structure, plain):
 
 
 ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3),
-        ("the same on plain track beyond the wedge", "plain", 1e3),
+        ("lowest level of the rail on plain track beyond the wedge, mm down", "plain", 1e3),
         (f"distance of {measures.REACHED:.0%} of the change between both, m", "width", 1),
-        ("steepest change between two sleepers there, mm/m", "steepest", 1e3),
-        ("the same on plain track (scatter of the bed)", "scatter", 1e3),
+        ("steepest change between two sleepers of the transition, mm/m", "steepest", 1e3),
+        ("steepest change between two sleepers of plain track (scatter of the bed), mm/m",
+         "scatter", 1e3),
         ("largest wheel force in the transition, kN", "force", 1e-3),
-        ("  which is at x, m", "force_x", 1))
+        ("x of this wheel force, m", "force_x", 1))
 
 
 def compared(now, other, what, unit, factor, field):

@@ -56,10 +56,13 @@ def computed(folder, quantity, place):
         place = int(np.argmax([np.std(column[there]) if there.any() else -1
                                for column, there in zip(values.T, on.T)]))
     time, values = time[on[:, place]], values[on[:, place]]
-    if len(time) < LEAST_ROWS or signals.step_of(time) is None:
-        raise read.Unreadable(f"{quantity} has {len(time)} rows, unevenly spaced or fewer than "
-                              f"{LEAST_ROWS}: a spectrum needs evenly spaced ones; change "
-                              "output.history_interval")
+    if len(time) < LEAST_ROWS:
+        raise read.Unreadable(f"{quantity} has {len(time)} usable rows; at least {LEAST_ROWS} are "
+                              "needed; shorten output.history_interval")
+    if signals.step_of(time) is None:
+        raise read.Unreadable(f"the {len(time)} rows of {quantity} are unevenly spaced; give an "
+                              "output.history_interval that is a multiple of the time step or "
+                              "window")
     return measured.Signal(f"{pathlib.Path(folder).name}, {quantity}, place {place}", time,
                            values[:, place], unit, ())
 

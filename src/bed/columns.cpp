@@ -54,8 +54,8 @@ std::int64_t fitting(double length, double width, const char* what) {
   if (columns < 1)
     throw InputError(
         {fmt::format("bed.{}: the bed is {:.4g} m long in this direction, less than the diameter "
-                     "of the bounding sphere of its largest stone with clearance ({:.4g} m, see "
-                     "bed.sieve); make the bed larger or the stones smaller",
+                     "of the bounding sphere of its largest stone with clearance ({:.4g} m, from "
+                     "the largest sieve); make the bed larger or the stones smaller",
                      what, length, width)});
   return columns;
 }

@@ -53,7 +53,7 @@ std::vector<dem::NewParticle> build(const std::vector<Batch>& batches, std::size
 // before. Collective. The height is checked before anything is added: a bed that does not fit adds
 // no stones.
 double pour(dem::Particles& particles, const par::Comm& comm, const Mix& mix, int material,
-            const std::vector<Batch>& batches) {
+            const std::vector<Batch>& batches, const std::string& section) {
   // Numbered through all batches, so that small boxes are distributed over the ranks like one large
   // bed.
   std::int64_t columns = 0;
@@ -67,9 +67,9 @@ double pour(dem::Particles& particles, const par::Comm& comm, const Mix& mix, in
     throw RunError(
         fmt::format("the loose stones would reach a height of {:.3g} m, above the top of the "
                     "domain at {:.3g} m (1 m plus ten times the height of all layers); make the "
-                    "bed wider, or increase the elongation I/L of the stones (bed.elongation for "
-                    "pebbles, bed.polyhedron.elongation for other generated stones)",
-                    top, particles.domain().high.z()));
+                    "bed wider, or the stones rounder (a larger I/L: {}.elongation for pebbles, "
+                    "{}.polyhedron.elongation for other generated stones)",
+                    top, particles.domain().high.z(), section, section));
   std::vector<int> numbers;
   for (const dem::Template& shape : mix.templates())
     numbers.push_back(particles.add_template(shape));
@@ -109,7 +109,8 @@ double fill(dem::Particles& particles, const par::Comm& comm, const BedParameter
   return pour(particles, comm, mix, material,
               {{.columns = Columns(parameters, particles.domain(), mix),
                 .first = first_free_id(particles, comm),
-                .foot = foot}});
+                .foot = foot}},
+              parameters.section);
 }
 
 namespace {
@@ -144,7 +145,8 @@ double fill_to_grow(dem::Particles& particles, const par::Comm& comm,
   particles.grow_from(first, size_factor);
   return pour(
       particles, comm, mix, material,
-      {{.columns = Columns(parameters, domain, mix, size_factor), .first = first, .foot = foot}});
+      {{.columns = Columns(parameters, domain, mix, size_factor), .first = first, .foot = foot}},
+      parameters.section);
 }
 
 // All ranks go through all boxes, so that ids agree; only the stones are distributed.
@@ -162,7 +164,7 @@ double fill_boxes(dem::Particles& particles, const par::Comm& comm, const BedPar
     batches.push_back({columns, first, foot});
     first += columns.stones();
   }
-  return pour(particles, comm, mix, material, batches);
+  return pour(particles, comm, mix, material, batches, parameters.section);
 }
 
 }  // namespace trackbed::bed

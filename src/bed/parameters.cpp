@@ -86,8 +86,10 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
             "fractions of the mass; three-dimensional stones: each shape occurs in all sizes.");
   s.number("elongation", bed.elongation, {.above = 0, .at_most = 1},
            "Elongation: smallest width divided by largest extent of an outline (pebbles).");
-  s.number("angularity", bed.angularity, {.at_least = 0, .at_most = 1},
-           "Angularity (pebbles); 0: corners on an ellipse; 1: corners far from it.");
+  s.number(
+      "angularity", bed.angularity, {.at_least = 0, .at_most = 1},
+      "Angularity (pebbles); 0: corners evenly on an ellipse; above 0: on a superellipse of the "
+      "exponent 2 + 2 angularity, at angles and radii that scatter in proportion.");
   s.numbers("clump", bed.clump, {.unit = "m"},
             "x, y, z, radius of each sphere of the stone (clump), at any scale, since the "
             "program scales the stone to the sieves; none: generated polyhedra are filled with "
@@ -197,7 +199,10 @@ double BedParameters::top_at(double y, double top) const {
 BedParameters BedParameters::of_layer(const std::string& name) const {
   BedParameters bed = *this;
   for (const NamedLayer& layer : layers)
-    if (layer.name == name) static_cast<LayerParameters&>(bed) = layer;
+    if (layer.name == name) {
+      static_cast<LayerParameters&>(bed) = layer;
+      bed.section = "bed.layer." + name;
+    }
   return bed;
 }
 

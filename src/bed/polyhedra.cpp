@@ -93,7 +93,8 @@ dem::Template polyhedron_stone(const BedParameters& parameters, std::int64_t k) 
   try {
     return polyhedron_shape(parameters, k);
   } catch (const std::invalid_argument& why) {
-    throw InputError({fmt::format("bed.polyhedron: no stone can be generated: {}", why.what())});
+    throw InputError({fmt::format("{}.polyhedron: no stone can be generated: {}",
+                                  parameters.section, why.what())});
   }
 }
 

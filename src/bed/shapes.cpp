@@ -57,9 +57,9 @@ dem::Template outline_stone(const BedParameters& parameters, double size, std::u
                                    parameters.pebble_spacing);
     } catch (const std::invalid_argument&) {
       throw InputError(
-          {fmt::format("bed.pebble_radius = {:g} m is too large for a stone with a sieve size of "
+          {fmt::format("{}.pebble_radius = {:g} m is too large for a stone with a sieve size of "
                        "{:.4g} mm; give a smaller radius",
-                       parameters.pebble_radius, 1e3 * size)});
+                       parameters.section, parameters.pebble_radius, 1e3 * size)});
     }
     const double slot = geom::smallest_slot(disks);
     if (std::abs(slot / size - 1) < close || pass == passes)

@@ -59,7 +59,7 @@ std::string meaning_of(const Spec& spec) {
   using namespace state;
   static constexpr std::array<std::pair<StateParts, const char*>, 11> words{{
       {any, "when a run continues from a checkpoint"},
-      {earlier, "once a checkpoint contains this element of the list"},
+      {earlier, "in elements of the list that a checkpoint contains"},
       {sleepers, "once sleepers are placed"},
       {solid_sleepers, "once solid sleepers are placed"},
       {solid_rails, "once solid rails are placed"},

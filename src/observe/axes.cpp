@@ -93,7 +93,8 @@ std::string numbers_in(const par::Comm& comm, io::File& file, const std::string&
   if (file.has(path)) return path;
   std::vector<std::int64_t> numbers(comm.root() ? length : 0);
   std::iota(numbers.begin(), numbers.end(), 0);
-  file.write<std::int64_t>(path, numbers, 1, {"-", std::string("number from 0: ") + of.order});
+  file.write<std::int64_t>(path, numbers, 1,
+                           {"-", std::string("index, counted from 0; order: ") + of.order});
   return path;
 }
 

@@ -4,6 +4,7 @@
 // Those two are for setup, rebalancing and files; data of every sub-step go through Halo.
 #include "trackbed/par/comm.hpp"
 
+#include <fmt/format.h>
 #include <mpi.h>
 
 #include <climits>
@@ -16,10 +17,13 @@ namespace trackbed::par {
 
 namespace {
 
-// MPI counts are int. A larger message results from too few ranks for the model or from an error in
-// the program; an overflow of the count must not go unnoticed.
+// MPI counts are int; an overflow of the count must not go unnoticed.
 int checked_int(std::size_t count) {
-  require(count <= INT_MAX, "an MPI message has at most 2 GB (a large model needs more ranks)");
+  if (count > INT_MAX)
+    throw RunError(
+        fmt::format("an MPI message would have {} items (bytes or numbers); at most {} are "
+                    "possible; use more ranks (mpirun -n)",
+                    count, INT_MAX));
   return static_cast<int>(count);
 }
 

@@ -156,7 +156,7 @@ def test_cases_of_a_sweep(tmp_path):
 
 
 @pytest.mark.parametrize("words, expected", [
-    (["--vary", "a.b", "1", "--vary", "a.b", "2"], "has two --vary"),
+    (["--vary", "a.b", "1", "--vary", "a.b", "2"], "given twice for the same parameter"),
     (["--vary", "a.b", "-1e-3", "--ranks", "0"], "must be at least 1"),
     (["--vary", "a.b", "-1e-3", "--program", "/tmp"], "is not a program")])
 def test_sweeps_that_cannot_run_are_refused(tmp_path, words, expected):

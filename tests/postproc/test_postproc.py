@@ -167,8 +167,10 @@ def test_low_pass_keeps_10_hz_and_removes_300_hz():
 
 def test_low_pass_reports_when_it_does_not_apply():
     coarse, uneven = np.arange(0, 2, 0.01), np.cumsum(np.r_[np.full(50, 1e-3), np.full(50, 2e-3)])
-    for time in (coarse, uneven):
-        assert "unfiltered" in signals.LowPass().name_for(time)
+    short = coarse[:24] / 10
+    for time, why in ((coarse, "rows 10 ms apart, less than 5 ms needed"),
+                      (uneven, "rows unevenly spaced"), (short, "24 rows, 25 needed")):
+        assert signals.LowPass().name_for(time) == f"not filtered: {why}"
         assert np.array_equal(signals.LowPass()(time, time), time)
     assert "Butterworth" in signals.LowPass().name_for(np.arange(0, 2, 1e-3))
 

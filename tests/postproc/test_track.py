@@ -93,7 +93,7 @@ def test_rail_sleeper_and_seat():
     assert found["seat at 4.8 m, largest load"][0] == pytest.approx(20, rel=1e-3)
     name = next(name for name in found if "acceleration" in name)
     # 100 rows per second cannot resolve 100 Hz, which the label states.
-    assert "unfiltered" in name and found[name][0] == pytest.approx(2)
+    assert "not filtered" in name and found[name][0] == pytest.approx(2)
 
 
 @pytest.mark.parametrize("sleepers, panels", [(True, 4), (False, 2)])

@@ -37,11 +37,11 @@ def test_settlement_of_each_axle():
     assert found["least wheel force over the bed"] == (pytest.approx(50), "kN")
     # Right behind the axle the displacement is the deflection plus the settlement by this axle.
     down = "largest downward sleeper displacement"
-    more = "mean increase of this displacement relative to axle 1"
+    more = "largest downward sleeper displacement minus that of axle 1, mean of sleepers"
     assert found[f"axle 1, {down}, mean of sleepers"][0] == pytest.approx(1.1)
     assert found[f"axle 2, {down}, largest of sleepers"][0] == pytest.approx(1.2)
     assert found[f"axle 2, {more}"][0] == pytest.approx(0.1)
-    left = "residual displacement of sleepers with the ground, down"
+    left = "residual downward displacement of sleepers, ground included"
     assert found[f"{left}, largest"][0] == pytest.approx(0.2)
 
 

@@ -86,7 +86,7 @@ def check(path, dimensions):
 OTHER_ROWS = {
     'region=[{name="below", x=[0.2,1.0], z=[0,0.15], cells=[3,1,2]}, {name="new"}]':
         'region[1].name = "new"',
-    'sensor=[{name="stone", at=[0.5,0,0.1]}]': "cannot be removed within a run; keep it",
+    'sensor=[{name="stone", at=[0.5,0,0.1]}]': "must keep its regions and sensors",
     'output.histories=["energy"]': "were chosen at the start"}
 
 

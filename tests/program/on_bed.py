@@ -65,7 +65,7 @@ def check_resume(program, folder):
 def check_figures(source, folder):
     ran = subprocess.run([sys.executable, source / "postproc", "figures", folder, "-o",
                           folder / "figures"], capture_output=True, text=True, check=False)
-    row = "axle 4, mean increase of this displacement relative to axle 1"
+    row = "axle 4, largest downward sleeper displacement minus that of axle 1, mean of sleepers"
     if ran.returncode or row not in ran.stdout:
         raise SystemExit(f"figures: {ran.stdout}{ran.stderr}")
     ran = subprocess.run([sys.executable, source / "postproc", "figures", folder, "--kind",

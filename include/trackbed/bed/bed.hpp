@@ -83,6 +83,7 @@ struct BedParameters : LayerParameters {
   double split = 0, beside = 0;  // m, see Container
   std::string cell;              // checkpoint whose stones are repeated along x instead of new ones
   std::vector<NamedLayer> layers;
+  std::string section = "bed";  // of the deck, for messages; bed.layer.NAME with of_layer
   void declare(input::Section& s);
   // m, height of the bed at y if its crest is at height `top`.
   double top_at(double y, double top) const;

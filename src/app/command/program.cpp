@@ -99,7 +99,8 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
                     "Change of a parameter as key=value, for example dem.safety=0.1");
     return sub;
   };
-  CLI::App* sub = command("run", "Run a deck from its first stage", run);
+  CLI::App* sub = command(
+      "run", "Run a deck from its first stage, or after the checkpoint named by `start`", run);
   sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
   with_overrides(sub)->add_option("-o,--output", arguments.folder,
                                   "Result folder; default results/<name of the deck>");

@@ -127,7 +127,7 @@ std::string table(const std::vector<NamedShape>& shapes, Dimension dimension) {
       "{:>6} {:>6} {:>6} {:>8} {:>8} {:>8} {:>9}\n",
       "name", "pieces", "vertices", "faces",
       dimension == Dimension::plane ? "area cm2" : "volume cm3", "x mm", "y mm", "z mm",
-      "sphericity", "sieve", "i_x mm", "i_y mm", "i_z mm", "S mm", "I mm", "L mm", "L_max mm");
+      "sphericity", "sieve mm", "i_x mm", "i_y mm", "i_z mm", "S mm", "I mm", "L mm", "L_max mm");
   for (const NamedShape& named : shapes) {
     text += row(named, dimension);
     for (const std::string& note : named.notes) text += "  " + note + "\n";

@@ -130,11 +130,11 @@ std::vector<std::string> other_rows_of_histories(const Values& then, const Value
         sentences.push_back(fmt::format("{} = {}: {} {}", key, value, path, sentence));
   };
   only_in(now, then,
-          "belongs to a run without it; regions and sensors cannot be added within a run; "
-          "remove it from the deck");
+          "does not contain this name; a resumed run cannot add regions or sensors; leave out the "
+          "override that adds it");
   only_in(then, now,
-          "belongs to a run with it; regions and sensors cannot be removed within a run; "
-          "keep it in the deck");
+          "contains this name; a resumed run must keep its regions and sensors; leave out the "
+          "override that removes it");
   return sentences;
 }
 

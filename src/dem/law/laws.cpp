@@ -270,12 +270,12 @@ double stable_step(const Physics& physics, const Parameters& parameters, double 
   const double damping = largest_damping(physics);
   if (limit) {
     *limit = fmt::format(
-        "sqrt(m/k) of the lightest stone ({:.4g} kg) and the stiffest contact ({:.4g} N/m)",
-        lightest, stiffest);
+        "dem.safety = {:g} times sqrt(m/k), m = {:.4g} kg of the lightest stone, k = {:.4g} N/m of "
+        "the stiffest contact",
+        parameters.safety, lightest, stiffest);
     if (damping > 1)
       *limit += fmt::format(
-          "; the sub-step is divided by the largest damping ratio of the contact laws, {:.3g} (low "
-          "restitution)",
+          ", divided by the largest damping ratio of the contact laws, {:.3g} (low restitution)",
           damping);
   }
   return parameters.safety * std::sqrt(lightest / stiffest) / damping;

@@ -75,10 +75,9 @@ void ContactLaw::declare(input::Section& s) {
          "force F_n is at least 0.");
   s.number("rolling_friction", rolling_friction, {.unit = "-", .at_least = 0},
            "Coefficient of rolling friction: largest rolling moment divided by F_n R, where R = r1 "
-           "r2/(r1 + r2) is the reduced radius of the circumscribed spheres of the two pieces. It "
-           "is the tangent of the steepest slope on which a sphere rests that does not slide; 0: "
-           "rolling "
-           "is free.");
+           "r2/(r1 + r2) is the reduced radius of the circumscribed spheres of the two pieces. "
+           "The coefficient is the tangent of the steepest slope on which a sphere that does not "
+           "slide remains at rest; 0: rolling is free.");
   // From 2.25 mu_r^2 with mu_r = 0.01 (Ai et al. 2011, model C) to some multiple of k_s / k_n
   // (Iwashita, Oda 1998). A spring stiffer than the contact itself also reduces the step.
   s.number("rolling_stiffness", rolling_stiffness,

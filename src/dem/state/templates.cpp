@@ -31,8 +31,10 @@ void save_templates(io::File& file, const std::string& group,
       }
     }
   }
-  file.write<double>(group + "/solid", solids, 5,
-                     {"m3, m2, m2, m2, m", "volume (plane: area), gyration x y z, sieve size"});
+  file.write<double>(
+      group + "/solid", solids, 5,
+      {"m3, m2, m2, m2, m",
+       "volume (plane: area, m2), squared radii of gyration about x y z, sieve size"});
   file.write<std::int64_t>(group + "/pieces", counts, 1, {"-", "pieces of each template"});
   file.write<double>(group + "/radius", radii, 1, {"m", "rounding of each piece"});
   file.write<std::int64_t>(group + "/sizes", sizes, 2, {"-", "corners and faces of each piece"});

@@ -186,7 +186,8 @@ double step_of(const Mesh& mesh, std::size_t z, Eigen::MatrixXd k) {
 
 // Collective: names the element by its number in the file, or by its position if there is no file.
 std::string name_of(const Mesh& mesh, const GroundParameters& parameters, Id element, bool mine) {
-  if (!parameters.mesh.empty()) return fmt::format("tetrahedron {} of the file", element + 1);
+  if (!parameters.mesh.empty())
+    return fmt::format("tetrahedron {} of those of the file", element + 1);
   Vec3 place = Vec3::Constant(-std::numeric_limits<double>::infinity());
   if (mine) place = middle(places(mesh, static_cast<std::size_t>(mesh.local_element(element))));
   mesh.comm.max(std::span<double>(place.data(), 3));

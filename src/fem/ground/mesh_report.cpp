@@ -159,18 +159,22 @@ void check_wave(const SolidMesh& mesh, const GroundParameters& parameters, const
     };
     if (at.second == WaveEffect::dashpots)
       report(warnings,
-             "impedes the wave of ground.base_motion; use a roller if the wave moves the ground "
-             "parallel to the face (a mesh cannot have free-field sides)");
+             "impedes the wave of ground.base_motion, since a mesh has no free-field sides; if the "
+             "wave moves the ground parallel to this face, use a roller; otherwise place the face "
+             "far from the track");
     if (at.second == WaveEffect::gap)
-      report(warnings,
-             "is free and at an end of the mesh: there is no ground beside it that moves with the "
-             "wave of ground.base_motion; move this end further away, or use a roller if the wave "
-             "moves the ground parallel to the face");
+      report(
+          warnings,
+          "is free and at an end of the mesh: there is no ground beside it that moves with the "
+          "wave of ground.base_motion; if the wave moves the ground parallel to this face, use a "
+          "roller; otherwise place the face far from the track");
     if (at.second == WaveEffect::holder)
-      report(problems,
-             fmt::format("holds the ground along {0}, but the wave of ground.base_motion moves "
-                         "the ground along {0} (v{0}_m_s is not 0); use \"viscous\" or \"free\"",
-                         axes[static_cast<std::size_t>(axis)]));
+      report(
+          problems,
+          fmt::format("holds the ground along {0}, but the wave of ground.base_motion moves "
+                      "the ground along {0} (v{0}_m_s is not 0); use \"viscous\" or \"free\" and "
+                      "place the face far from the track",
+                      axes[static_cast<std::size_t>(axis)]));
   }
   if (!problems.empty()) throw InputError(problems);
 }
@@ -207,10 +211,11 @@ void warn_of_shapes(const GroundParameters& parameters, const std::vector<double
     warnings.push_back(fmt::format(
         "{}: {} of {} tetrahedra are nearly flat: their shape quality (mean ratio, 1: "
         "equilateral) is below {:g}, the lowest is "
-        "{:.2g} (tetrahedron {}{}); stresses are inaccurate and explicit steps short there",
+        "{:.2g} (tetrahedron {}{}); stresses are inaccurate there, and the stable explicit step of "
+        "the whole ground is short; improve the mesh at this place",
         parameters.mesh.empty() ? "ground.section" : parameters.mesh, poor, ratios.size(),
         poor_mean_ratio, *worst, worst - ratios.begin() + 1,
-        parameters.mesh.empty() ? "" : " of the file"));
+        parameters.mesh.empty() ? "" : " of those of the file"));
 }
 
 // Stones and pressures act on two straight pieces for a curved edge of the top, so that a uniform

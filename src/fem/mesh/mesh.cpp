@@ -6,6 +6,8 @@
 // which needs a second message per step and a fixed order of sums.
 #include "fem/mesh/mesh.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -22,8 +24,11 @@ std::vector<int> node_owners(const Lattice& lattice, const Solids& solids,
                              const GroundParameters& parameters, int ranks) {
   const auto nodes = static_cast<std::size_t>(lattice.node_count());
   if (ranks == 1) return std::vector<int>(nodes, 0);
-  require(lattice.node_count() < std::numeric_limits<std::int32_t>::max(),
-          "the ground has less than 2^31 nodes");
+  if (lattice.node_count() >= std::numeric_limits<std::int32_t>::max())
+    throw InputError(
+        {fmt::format("the ground has {} nodes; on several ranks it must have less than {}; use "
+                     "fewer elements",
+                     lattice.node_count(), std::numeric_limits<std::int32_t>::max())});
   std::vector<std::int32_t> corners;
   std::vector<double> cost;
   corners.reserve(static_cast<std::size_t>(lattice.element_count() * lattice.corners()));

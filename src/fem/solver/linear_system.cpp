@@ -261,9 +261,11 @@ int LinearSystem::Handles::outcome(KSP of) {
               "stiffness need many iterations; allow more iterations (after `--`: "
               "-ground_ksp_max_it N) or use a direct solver (after `--`: -ground_ksp_type preonly "
               "-ground_pc_type cholesky -ground_pc_factor_mat_solver_type mumps)"
-            : "with DIVERGED_NANORINF the load on the ground is not finite: reduce the time steps; "
-              "with a direct solver check the memory; otherwise use one (after `--`: "
-              "-ground_ksp_type preonly -ground_pc_type cholesky -ground_pc_factor_mat_solver_type "
+            : "if the reason is DIVERGED_NANORINF, the load on the ground is not finite: reduce "
+              "the "
+              "time steps; if the solver is direct, check the memory; in all other cases use a "
+              "direct solver (after `--`: -ground_ksp_type preonly -ground_pc_type cholesky "
+              "-ground_pc_factor_mat_solver_type "
               "mumps)"));
   return static_cast<int>(iterations);
 }

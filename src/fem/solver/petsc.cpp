@@ -66,12 +66,12 @@ const char* source() { return given().empty() ? variable : "command line"; }
 // A rejected option is from one of two sources; RunError if there are no options.
 void refuse(int code, const char* what) {
   std::vector<std::string> places;
-  if (!given().empty()) places.push_back(fmt::format("after `--` ({})", fmt::join(given(), " ")));
+  if (!given().empty()) places.push_back(fmt::format("after `--`: {}", fmt::join(given(), " ")));
   if (const auto& words = of_environment(); !words.empty())
-    places.push_back(fmt::format("in {} ({})", variable, fmt::join(words, " ")));
+    places.push_back(fmt::format("in {}: {}", variable, fmt::join(words, " ")));
   if (places.empty()) return check(code, what);
-  throw InputError({fmt::format("{}: PETSc rejects an option: {} (given {})", source(),
-                                error_text(code), fmt::join(places, "; "))});
+  throw InputError({fmt::format("{}: PETSc rejects one of the options ({}): {}", source(),
+                                fmt::join(places, "; "), error_text(code))});
 }
 
 // Errors that are not caused by an option.

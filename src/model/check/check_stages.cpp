@@ -37,9 +37,10 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
     say(comm, "  stones: as in " + given.start + "");
   }
   const auto megabytes = static_cast<double>(world.memory()) / (1024 * 1024);
-  say(comm, fmt::format("memory before the first window: state of at most {:.2g} MB per rank{}",
-                        comm.max(megabytes),
-                        model.has_stones() ? "; contacts of stones are added during the run" : ""));
+  say(comm,
+      fmt::format("memory of the model before the first window: at most {:.2g} MB on a rank{}",
+                  comm.max(megabytes),
+                  model.has_stones() ? "; contacts of stones will need more" : ""));
 }
 
 }  // namespace trackbed::model

@@ -297,9 +297,9 @@ void declare_ground_mesh(const Model& model, input::Section& s) {
   s.rule(what, model.dimension == Dimension::space, "needs dimension = \"space\"",
          {.reads = {"dimension", what}});
   s.rule("time.window", model.time.window > 0,
-         fmt::format("must be given with {}: the stable window depends on the masses of the nodes "
-                     "of its top, which do not follow from the deck; if a value is too large, it "
-                     "is refused and the stable window is reported",
+         fmt::format("must be given with {}, since the masses of the nodes at its top, which limit "
+                     "the window, do not follow from the deck; give an estimate, for example 1e-4 "
+                     "s: if it is too long, the program refuses it and states the longest window",
                      what),
          {.reads = {"time.window", what}});
   if (ground.mesh.empty()) declare_crest(model, s);

@@ -257,8 +257,9 @@ CouplingLimit coupling_limit(const Model& model, const Stage& stage) {
 // For the log, so that the limit can be checked by hand.
 std::string CouplingLimit::words() const {
   if (!instead.empty()) return instead;
-  return fmt::format("{}, {:.0f} contact{} with stones, stiffness {:.3g} N/m{}", body, contacts,
-                     contacts > 1 ? "s" : "", stiffness, contacts > 1 ? " each" : "");
+  return fmt::format(
+      "0.5 sqrt(m/(n k)) of a {}, n = {:.0f} contact{} with stones, k = {:.3g} N/m{}", body,
+      contacts, contacts > 1 ? "s" : "", stiffness, contacts > 1 ? " each" : "");
 }
 
 namespace {

@@ -239,8 +239,8 @@ void Output::declare(input::Section& s) {
   s.texts("histories", histories,
           "Parts of the model whose histories are written: any of energy, sleeper, ground, region, "
           "wall, platen, train (wheels, rail, vehicles, seats), solid (solid sleepers), sensor and "
-          "stone (placed stones, plates and boxes). Without sleeper or ground their envelopes are "
-          "missing, too.");
+          "stone (placed stones, plates and boxes). If sleeper or ground is left out, its "
+          "envelopes are not written either.");
   only("histories", histories, observe::history_parts);
   s.flag("ground_extremes", ground_extremes,
          "Whether the ground's fields include running extremes of the element stresses, updated at "

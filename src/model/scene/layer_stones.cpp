@@ -80,15 +80,14 @@ void require_fill_height(const Model& model, const StonesOfLayers& layers,
     if (stage.kind != StageKind::fill || !model.start.empty() || !model.bed.cell.empty()) continue;
     const double top = below + layers.at(stage.layer).top;
     const double high = model.domain().high.z();
+    const std::string section = model.bed.of_layer(stage.layer).section;
     if (stage.growth == 0 && top > high)  // growing stones begin small
       throw InputError({fmt::format(
           "{}: the loose stones would reach {:.3g} m, above the limit of {:.3g} m (1 m plus ten "
-          "times the height of all layers); make the bed wider, or increase the elongation I/L of "
-          "the stones (bed.elongation for pebbles, bed.polyhedron.elongation for other generated "
-          "stones)",
-          deck.where(stage.layer.empty() ? "bed.height"
-                                         : fmt::format("bed.layer.{}.height", stage.layer)),
-          top, high)});
+          "times the height of all layers); make the bed wider, let the stones grow in place "
+          "(stage.growth above 0), or make them rounder (a larger I/L: {}.elongation for pebbles, "
+          "{}.polyhedron.elongation for other generated stones)",
+          deck.where(section + ".height"), top, high, section, section)});
     below += model.bed.of_layer(stage.layer).height;
   }
 }

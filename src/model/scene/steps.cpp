@@ -63,9 +63,10 @@ Steps choose_steps(const World& world, const StonesStep& stones, const Stage& st
   }
   if (model.time.window > 0) {
     if (model.time.window > coupling.window * (1 + rounding_of_steps))
-      throw InputError({fmt::format("{} = {:g} s is above the stable window of {:.4g} s ({})",
-                                    deck.where("time.window"), model.time.window, coupling.window,
-                                    coupling.words())});
+      throw InputError({fmt::format(
+          "{} = {:g} s is above the longest window, {:.4g} s ({}); give at most this value{}",
+          deck.where("time.window"), model.time.window, coupling.window, coupling.words(),
+          model.ground.of_tetrahedra() ? "" : ", or leave it out")});
     steps.window = model.time.window, steps.limit = "time.window";
   }
   if (!std::isfinite(steps.window))

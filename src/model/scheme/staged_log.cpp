@@ -104,7 +104,7 @@ std::string status_of(const World& world) {
   return fmt::format(
       "E_kin {:.3g} J | largest overlap {:.3g} um | unbalanced {:.2g} | {} contacts{}{}",
       totals.kinetic, totals.largest_overlap * 1e6, totals.unbalanced, totals.contacts,
-      deep > 0 ? fmt::format(" | {} overlaps above the rounding radii", deep) : "",
+      deep > 0 ? fmt::format(" | overlaps above the rounding radii up to now: {}", deep) : "",
       world.platen ? fmt::format(" | platen {:.1f} kPa at {:.4f} m", world.platen->pressure() / 1e3,
                                  world.platen->z())
                    : "");

@@ -90,10 +90,11 @@ std::string warning_of_bed(const World& world, std::span<const Stage> done) {
   const double most = (1 + bed_tolerance) * expected_height + voids_at_faces;
   if (height >= least && height <= most) return {};
   return fmt::format(
-      "the compacted bed is {:.3g} m high (porosity {:.2f}), but a height of {:.3g} to {:.3g} m is "
-      "expected: with the porosity of the deck ({:.3g}) these stones would be {:.3g} m high "
-      "(bed.height: {:g} m); check the stages, or change bed.porosity",
-      height, 1 - volume / (area * height), least, most, expected.porosity, expected_height,
+      "the compacted bed has a height of {:.3g} m and a porosity of {:.2f}; with the porosity of "
+      "the "
+      "deck, {:.3g}, its stones would have a height of {:.3g} m, and {:.3g} to {:.3g} m are "
+      "accepted (bed.height: {:g} m); check the stages, or change bed.porosity",
+      height, 1 - volume / (area * height), expected.porosity, expected_height, least, most,
       expected.height);
 }
 
@@ -113,10 +114,10 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
   if (deep > world.particles.totals().particles)
     warnings.push_back(fmt::format(
         "overlaps larger than the sum of both rounding radii occurred {} times (pairs times "
-        "sub-steps); increase the rounding radius of the stones (rounding, polyhedron.rounding), "
-        "use "
-        "stiffer contacts, or reduce speeds",
-        deep));
+        "sub-steps; limit: the number of stones, {}); increase the rounding radius of the stones "
+        "(bed.polyhedron.rounding, stone.rounding, or --rounding of their library), use stiffer "
+        "contacts, or reduce speeds",
+        deep, world.particles.totals().particles));
   return warnings;
 }
 

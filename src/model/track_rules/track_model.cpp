@@ -128,9 +128,9 @@ void declare_force_in_time(const track::RailForce& force, const std::string& nam
   const input::About about{.reads = {"force", "passage.step"}};
   constexpr double needed = 2, enough = 8;  // steps
   s.rule(key, time > needed * step,
-         words + " do not resolve (at most 2 steps); give a shorter step", about);
+         words + " do not resolve (more than 2 steps are required); give a shorter step", about);
   s.rule(key, time <= needed * step || time >= enough * step,
-         words + " resolve poorly (fewer than 8 steps); give a shorter step",
+         words + " resolve poorly (8 steps or more are recommended); give a shorter step",
          {.severity = input::Severity::warning, .reads = about.reads});
 }
 

@@ -1,6 +1,6 @@
 // The library of rails, and beam properties from a section or from values.
-// Names are those of EN 13674-1 (46E3, 54E1, 60E1), UIC 861-5 (UIC54, UIC60), TB/T 2341 (CHN60).
-// Wear is not included: give values for a worn rail.
+// Names are those of EN 13674-1 (46E3, 54E1, 60E1), UIC 861-1 and 861-3 (UIC54, UIC60), TB/T 2341
+// (CHN60). Wear is not included: give values for a worn rail.
 #include "trackbed/track/rail.hpp"
 
 #include <fmt/format.h>
@@ -18,8 +18,8 @@ const std::vector<RailSection>& rail_sections() {
       {"54E1", 69.77e-4, 2337.2e-8, 54.77,
        "area and inertia from EN 13674-1; mass from the area and a density of 7850 kg/m3"},
       {"60E1", 76.70e-4, 3038.3e-8, 60.21, "EN 13674-1"},
-      {"UIC54", 69.77e-4, 2337.2e-8, 54.77, "former name of 54E1 (UIC 861-5)"},
-      {"UIC60", 76.70e-4, 3038.3e-8, 60.21, "former name of 60E1 (UIC 861-5)"},
+      {"UIC54", 69.77e-4, 2337.2e-8, 54.77, "former name of 54E1 (UIC 861-1)"},
+      {"UIC60", 76.70e-4, 3038.3e-8, 60.21, "former name of 60E1 (UIC 861-3)"},
       {"CHN60", 77.45e-4, 3217e-8, 60.64,
        "inertia and mass from TB/T 2341; area not verified against the standard"}};
   return sections;

@@ -401,7 +401,8 @@ void TrainParameters::declare(input::Section& s) {
            "Speed along x at the start, constant unless train.times are given; 0: the train stands "
            "at train.start for passage.duration.");
   s.number("start", start, {.unit = "m", .usually_from = -500, .usually_to = 2000},
-           "x of the first axle at the start; on a bed or a ground at most 0.");
+           "x of the first axle at the start, from the start of the track. On a bed or a ground it "
+           "must be given and be at most 0, on the rigid rail before the track.");
   s.numbers("times", times, {.unit = "s", .above = 0, .usually_to = 1000},
             "Times since the start at which train.speeds are reached; up to the last time the "
             "speed varies linearly; after it, the speed is constant.");
