@@ -70,10 +70,10 @@ set(TRACKBED_VERIFICATION ${CMAKE_BINARY_DIR}/verification)
 
 # trackbed_test(<file without .cpp> RANKS <n>... LINKS <module>... [LABELS <label>...]
 #               [LONG <n>...] [TIMEOUT <s>])
-# The tests of a file, run once for each number of ranks as <file>_on_<n>. Numbers of ranks in LONG
-# belong to the long tier; if there is a test on 3 ranks, so do all numbers but 1 and 3, the least
-# number whose parts differ in their neighbours. The files of a folder are one executable,
-# <folder above>_<folder>_tests, since each costs a link.
+# The tests of a file, run once for each number of ranks as <file>_on_<n>. The long tier runs the
+# numbers of ranks in LONG. If 3 is among RANKS, it also runs all others but 1: on 3 ranks, the
+# least number for which a part has two neighbours, the same code runs as on more. The files of a
+# folder are one executable, <folder above>_<folder>_tests, since each costs a link.
 function(trackbed_test name)
   cmake_parse_arguments(TEST "" "TIMEOUT" "RANKS;LINKS;LABELS;LONG" ${ARGN})
   if(NOT TEST_RANKS)

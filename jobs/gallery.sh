@@ -4,14 +4,13 @@
 # Needs what jobs/quickstart.sh installs. RANKS=N sets the ranks. Existing results are replaced.
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-results=$1
+results=${1:?give a folder for the results: jobs/gallery.sh DIR [PICTURES]}
 pictures=${2:-$results/pictures}
 mkdir -p "$pictures"
 
-# The last field file of a part.
+# The newest field file of a part: names begin with the stage, in no order of time.
 last_field() {
-  local files=("$1"/fields/*_"$2".vtkhdf)
-  printf '%s\n' "${files[-1]}"
+  ls -t "$1"/fields/*_"$2".vtkhdf | sed -n 1p
 }
 still() {
   local picture=$1 folder=$2 field=$3
@@ -23,7 +22,7 @@ build release trackbed
 run_model inputs/bed/repose.toml "$results/heap" --force output.fields=true
 still heap "$results/heap" stones --view corner --array radius
 
-# A bed of 50,000 stones before it falls, which takes no time steps to speak of.
+# 50,000 stones as they are placed; their fall is not computed.
 run_model inputs/bench/stones12.toml "$results/many" --force 'bed.x=[0,2.4]' 'bed.y=[-1.2,1.2]' \
   bed.height=0.424 output.fields=true stage.fill.duration=1e-4 stage.settle.duration=1e-4 \
   stage.rest.duration=1e-4

@@ -32,9 +32,10 @@ Errors in options, deck or state are reported before anything is written, with c
 fails ends the loop with its own messages and code (docs/running.md). Only one loop can work in a
 folder at a time; it holds handover.lock.
 
-Two simplifications: the rail follows its sleepers, whereas a real rail bridges a settled sleeper;
-and all seats are loaded at once in the load test, whereas the ground below a single loaded seat is
-stiffer. Writes FOLDER/handover.csv (all results of each sleeper and round) and handover.png.
+Three simplifications: the rail follows its sleepers, whereas a real rail bridges a settled sleeper;
+all seats are loaded at once in the load test, whereas the ground below a single loaded seat is
+stiffer; and --each multiplies the settlement of one train, which usually decreases from train to
+train. Writes FOLDER/handover.csv (all results of each sleeper and round) and handover.png.
 RANKS=N sets the number of ranks (2).
 """
 import argparse

@@ -90,7 +90,7 @@ def stop(then):
     sys.exit(STOPPED)
 
 
-def run(command, then="the same command begins from the start", **how):
+def run(command, then="the same command runs it again", **how):
     """Runs `command` and returns what subprocess.run returns; `how` are arguments of Popen.
     SIGTERM, SIGHUP and Ctrl-C, now or since an earlier run, are sent to it as SIGUSR1: on the
     others mpirun kills the ranks a second later, SIGUSR1 it passes on and then waits for the

@@ -203,7 +203,7 @@ ROWS = (  # label, unit, field, factor
     (f"width of the transition ({REACHED:.0%} of the change)", "m", "width", 1),
     ("steepest slope of the ground displacement", "mm/m", "steepest", 1e3),
     ("  which is at x =", "m", "steepest_x", 1),
-    ("the same within a sleeper spacing of the edge", "mm/m", "edge_slope", 1e3),
+    ("steepest slope within a spacing of the edge", "mm/m", "edge_slope", 1e3),
     ("mean stress, last sleeper spacing on structure", "kPa", "stress_structure", 1e-3),
     ("mean stress, first sleeper spacing beyond it", "kPa", "stress_beyond", 1e-3),
     ("stress jump at the edge, difference of these means", "kPa", "stress_jump", 1e-3),

@@ -26,27 +26,25 @@ class LowPass:
     def name(self):
         return f"{self.cut_off:g} Hz Butterworth, zero phase"
 
-    def applies_to(self, time):
-        """Whether the sampling rate exceeds twice the cut-off and there are enough samples."""
-        dt = step_of(time)
-        return dt is not None and 2 * self.cut_off * dt < 1 and len(time) > 6 * self.order
+    def obstacle(self, time):
+        """Why rows at these times cannot be filtered, or empty: the sampling rate must exceed twice
+        the cut-off, and there must be enough rows."""
+        dt, least = step_of(time), 6 * self.order + 1
+        if dt is None:
+            return "rows unevenly spaced"
+        if 2 * self.cut_off * dt >= 1:
+            return f"rows {1e3 * dt:.3g} ms apart, less than {500 / self.cut_off:g} ms needed"
+        return "" if len(time) >= least else f"{len(time)} rows, {least} needed"
 
     def name_for(self, time):
-        if self.applies_to(time):
-            return self.name
-        dt = step_of(time)
-        if dt is None:
-            return "not filtered: rows unevenly spaced"
-        if 2 * self.cut_off * dt >= 1:
-            return (f"not filtered: rows {1e3 * dt:.3g} ms apart, less than "
-                    f"{500 / self.cut_off:g} ms needed")
-        return f"not filtered: {len(time)} rows, {6 * self.order + 1} needed"
+        why = self.obstacle(time)
+        return f"not filtered: {why}" if why else self.name
 
     def __call__(self, time, values, at_rest=False):
         """Filters along the first axis; returns the values unchanged if it does not apply.
         `at_rest`: they were zero before the first one."""
         values = np.asarray(values)
-        if not self.applies_to(time):
+        if self.obstacle(time):
             return values
         before = int(np.ceil(10 / (self.cut_off * step_of(time)))) if at_rest else 0
         sections = scipy.signal.butter(self.order, self.cut_off, fs=1 / step_of(time), output="sos")

@@ -198,7 +198,7 @@ ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3)
         ("steepest change between two sleepers of plain track (scatter of the bed), mm/m",
          "scatter", 1e3),
         ("largest wheel force in the transition, kN", "force", 1e-3),
-        ("x of this wheel force, m", "force_x", 1))
+        ("x of the largest wheel force in the transition, m", "force_x", 1))
 
 
 def compared(now, other, what, unit, factor, field):

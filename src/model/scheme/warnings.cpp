@@ -91,8 +91,7 @@ std::string warning_of_bed(const World& world, std::span<const Stage> done) {
   if (height >= least && height <= most) return {};
   return fmt::format(
       "the compacted bed has a height of {:.3g} m and a porosity of {:.2f}; with the porosity of "
-      "the "
-      "deck, {:.3g}, its stones would have a height of {:.3g} m, and {:.3g} to {:.3g} m are "
+      "the deck, {:.3g}, its stones would have a height of {:.3g} m, and {:.3g} to {:.3g} m are "
       "accepted (bed.height: {:g} m); check the stages, or change bed.porosity",
       height, 1 - volume / (area * height), expected.porosity, expected_height, least, most,
       expected.height);
