@@ -6,12 +6,16 @@
 set(TRACKBED_COMMON_HEADERS <algorithm> <array> <cmath> <cstdint> <functional> <map> <memory>
     <optional> <span> <string> <vector> <fmt/format.h> <Eigen/Core> <Eigen/Geometry>)
 
-# trackbed_module(<name> [LINKS <target>...])
-# A module is a static library of all .cpp files of its folder. It can include the interfaces
+# trackbed_module(<name> [EXCEPT <ending>] [LINKS <target>...])
+# A module is a static library of all .cpp files of its folder, but for those whose names have the
+# given ending. It can include the interfaces
 # (include/) of all modules; tests/style/layering.py checks which ones it may use.
 function(trackbed_module name)
-  cmake_parse_arguments(MODULE "" "" "LINKS" ${ARGN})
+  cmake_parse_arguments(MODULE "" "EXCEPT" "LINKS" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  if(MODULE_EXCEPT)
+    list(FILTER sources EXCLUDE REGEX "${MODULE_EXCEPT}$")
+  endif()
   add_library(${name} STATIC ${sources})
   target_include_directories(${name} PUBLIC ${CMAKE_SOURCE_DIR}/include
                                      PRIVATE ${CMAKE_SOURCE_DIR}/src)

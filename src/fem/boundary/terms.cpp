@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 
+#include "trackbed/core/decompositions.hpp"
 namespace trackbed::fem {
 
 namespace {
@@ -72,13 +73,6 @@ struct Builder {
     }
   }
 };
-
-// Largest eigenvalue of a symmetric matrix of at most 24 rows.
-double largest_eigenvalue(const Eigen::MatrixXd& k) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly)
-      .eigenvalues()
-      .maxCoeff();
-}
 
 }  // namespace
 
@@ -195,7 +189,7 @@ double critical_step(const Mesh& mesh, const GroundParameters& parameters,
     const double spring = border.spring(static_cast<std::int32_t>(at / 2));
     for (int f = 0; at % 2 == 1 && f < k.rows() / 2; ++f)  // lower corners come first
       k(f, f) += spring;
-    const double squared = largest_eigenvalue(k) / matrices.corner_mass;
+    const double squared = symmetric_eigenvalues(k).maxCoeff() / matrices.corner_mass;
     //   h = 2/w (sqrt(1 + z^2) - z),  z = beta w/2,  w^2 = largest eigenvalue of K over the corner
     //   mass. The bound holds element by element (h^2 K / 4 + h C / 2 <= M), each with its own
     //   damping.

@@ -12,6 +12,7 @@
 
 #include "fem/boundary/terms.hpp"
 #include "fem/shape/tetrahedron.hpp"
+#include "trackbed/core/decompositions.hpp"
 
 namespace trackbed::fem {
 
@@ -177,9 +178,7 @@ double step_of(const Mesh& mesh, std::size_t z, Eigen::MatrixXd k) {
   Eigen::VectorXd root(30);
   for (int f = 0; f < 30; ++f) root[f] = 1 / std::sqrt(whole * tetrahedron_mass_fraction(f / 3));
   k = (root.asDiagonal() * k * root.asDiagonal()).eval();
-  const double squared = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly)
-                             .eigenvalues()
-                             .maxCoeff();
+  const double squared = symmetric_eigenvalues(k).maxCoeff();
   const double omega = std::sqrt(squared), damped = 0.5 * solid.rayleigh_stiffness * omega;
   return 2 / omega * (std::sqrt(1 + damped * damped) - damped);
 }
@@ -187,7 +186,7 @@ double step_of(const Mesh& mesh, std::size_t z, Eigen::MatrixXd k) {
 // Collective: names the element by its number in the file, or by its position if there is no file.
 std::string name_of(const Mesh& mesh, const GroundParameters& parameters, Id element, bool mine) {
   if (!parameters.mesh.empty())
-    return fmt::format("tetrahedron {} of those of the file", element + 1);
+    return fmt::format("tetrahedron number {} in the file, counting only tetrahedra", element + 1);
   Vec3 place = Vec3::Constant(-std::numeric_limits<double>::infinity());
   if (mine) place = middle(places(mesh, static_cast<std::size_t>(mesh.local_element(element))));
   mesh.comm.max(std::span<double>(place.data(), 3));

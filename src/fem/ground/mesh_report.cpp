@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +12,7 @@
 #include "fem/mesh/solid_mesh.hpp"
 #include "fem/shape/tetrahedron.hpp"
 #include "fem/time/base_motion.hpp"
+#include "trackbed/core/decompositions.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::fem {
@@ -86,10 +87,10 @@ Eigen::MatrixXd free_motions(const SolidMesh& mesh, const Box& all) {
         gram += row * row.transpose();
       }
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> of(gram);
-  Eigen::Index free = 0;  // ascending
-  while (free < 6 && of.eigenvalues()[free] <= rounding * of.eigenvalues()[5]) ++free;
-  return of.eigenvectors().leftCols(free);
+  const auto [values, vectors] = symmetric_modes(gram);
+  Eigen::Index free = 0;
+  while (free < 6 && values[free] <= rounding * values[5]) ++free;
+  return vectors.leftCols(free);
 }
 
 // Describes along and about which axes a rigid motion is free, possibly only combined with others.
@@ -208,14 +209,15 @@ void warn_of_shapes(const GroundParameters& parameters, const std::vector<double
   const auto poor = std::count_if(ratios.begin(), ratios.end(),
                                   [](double ratio) { return ratio < poor_mean_ratio; });
   if (poor > 0)
-    warnings.push_back(fmt::format(
-        "{}: {} of {} tetrahedra are nearly flat: their shape quality (mean ratio, 1: "
-        "equilateral) is below {:g}, the lowest is "
-        "{:.2g} (tetrahedron {}{}); stresses are inaccurate there, and the stable explicit step of "
-        "the whole ground is short; improve the mesh at this place",
-        parameters.mesh.empty() ? "ground.section" : parameters.mesh, poor, ratios.size(),
-        poor_mean_ratio, *worst, worst - ratios.begin() + 1,
-        parameters.mesh.empty() ? "" : " of those of the file"));
+    warnings.push_back(
+        fmt::format("{}: {} of {} tetrahedra are nearly flat: their shape quality (mean ratio, 1: "
+                    "equilateral) is below {:g}, the lowest is "
+                    "{:.2g} (tetrahedron number {}{}); stresses are inaccurate there, and the "
+                    "stable explicit step of "
+                    "the whole ground is short; improve the mesh at this place",
+                    parameters.mesh.empty() ? "ground.section" : parameters.mesh, poor,
+                    ratios.size(), poor_mean_ratio, *worst, worst - ratios.begin() + 1,
+                    parameters.mesh.empty() ? "" : " in the file, counting only tetrahedra"));
 }
 
 // Stones and pressures act on two straight pieces for a curved edge of the top, so that a uniform

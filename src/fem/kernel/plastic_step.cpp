@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "fem/shape/tetrahedron.hpp"
+#include "trackbed/core/decompositions.hpp"
 
 namespace trackbed::fem {
 
@@ -95,7 +96,7 @@ PlasticStep::Law PlasticStep::law_of(const Mesh& mesh, std::size_t solid) {
   law.elasticity.resize(parts, parts);
   for (int c = 0; c < parts; ++c)
     for (int d = 0; d < parts; ++d) law.elasticity(c, d) = all(points.voigt(c), points.voigt(d));
-  law.compliance = law.elasticity.inverse();
+  law.compliance = solutions(law.elasticity, Matrix::Identity(parts, parts));
   if (mesh.imported) {  // no enhanced strains
     law.modes = law.strains = Matrix(parts * tetrahedron_points, 0);
     return law;
@@ -104,11 +105,10 @@ PlasticStep::Law PlasticStep::law_of(const Mesh& mesh, std::size_t solid) {
   Matrix square = points.relief;
   for (Eigen::Index g = 0; g < square.rows() / parts; ++g)
     square.block(parts * g, parts * g, parts, parts) += law.elasticity;
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(0.5 * (square + square.transpose()));
-  const Vector& size = solver.eigenvalues();  // smallest first
+  const auto [size, vectors] = symmetric_modes(0.5 * (square + square.transpose()));  // ascending
   const double least = 1e-9 * size.maxCoeff();
   const Eigen::Index rank = (size.array() > least).count();
-  law.modes = solver.eigenvectors().rightCols(rank) * size.tail(rank).cwiseSqrt().asDiagonal();
+  law.modes = vectors.rightCols(rank) * size.tail(rank).cwiseSqrt().asDiagonal();
   law.strains = by_points(law.compliance, law.modes);
   return law;
 }
@@ -144,7 +144,7 @@ struct PlasticStep::Search {
   }
   Vector step(const Matrix& slope, const Vector& initial, double damping) const {
     const Matrix damped = slope + damping * Matrix::Identity(slope.rows(), slope.cols());
-    return -damped.partialPivLu().solve(initial);
+    return -solution(damped, initial);
   }
   Matrix slope() const { return law.strains.transpose() * by_points(at.slope, law.modes); }
 
@@ -269,8 +269,7 @@ void PlasticStep::tangent(const Visit& visit) const {
       const Matrix of_modes = by_points(at.slope, l.modes);
       const Matrix slope = l.strains.transpose() * of_modes;
       // At an apex some enhanced strains have no resistance: least norm.
-      const Matrix follow =
-          slope.completeOrthogonalDecomposition().solve(l.strains.transpose() * stress);
+      const Matrix follow = least_norm_solutions(slope, l.strains.transpose() * stress);
       stress.noalias() -= of_modes * follow;
     }
     const Matrix force = of.weighted(by_points(l.compliance, of.recovery)).transpose();

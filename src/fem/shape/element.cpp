@@ -11,6 +11,8 @@
 
 #include <cmath>
 
+#include "trackbed/core/decompositions.hpp"
+
 namespace trackbed::fem {
 
 namespace {
@@ -83,7 +85,7 @@ Hexahedron::Hexahedron(const Corners& corners, const Voigt& elasticity)
     h += e.transpose() * elasticity_ * e * volume;
   }
   // A parameter without stiffness (sigma_y free) must remain zero: least-norm solution.
-  alpha_ = -h.completeOrthogonalDecomposition().solve(gamma);
+  alpha_ = -least_norm_solutions(h, gamma);
   stiffness_ += gamma.transpose() * alpha_;
   // Exactly symmetric, as solvers and the pattern form assume.
   stiffness_ = (0.5 * (stiffness_ + stiffness_.transpose())).eval();
@@ -150,7 +152,7 @@ Eigen::MatrixXd Hexahedron::relief() const {
     weighted.middleRows<6>(6 * g) = elasticity_ * enhanced(xi) * volume;
     h += enhanced(xi).transpose() * elasticity_ * enhanced(xi) * volume;
   }
-  Eigen::MatrixXd strain = e * h.completeOrthogonalDecomposition().solve(weighted.transpose());
+  Eigen::MatrixXd strain = e * least_norm_solutions(h, weighted.transpose());
   strain -= Eigen::MatrixXd::Identity(48, 48);
   for (int g = 0; g < 8; ++g)
     strain.middleRows<6>(6 * g) = (elasticity_ * strain.middleRows<6>(6 * g)).eval();

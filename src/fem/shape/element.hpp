@@ -9,7 +9,7 @@
 // docs/decisions/ground_elements.md.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <array>
 
 #include "trackbed/core/types.hpp"

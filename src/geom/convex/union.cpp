@@ -16,6 +16,7 @@
 #include <numeric>
 
 #include "geom/convex/mass.hpp"
+#include "trackbed/core/rotation.hpp"
 #include "trackbed/geom/stone.hpp"
 
 namespace trackbed::geom {
@@ -202,8 +203,7 @@ double union_area(const std::vector<Piece>& pieces, int directions, int cells) {
   for (int k = 0; k < directions; ++k) {
     const double z = (k + 0.5) / directions, r = std::sqrt(1 - z * z);
     const double turn = 2 * std::numbers::pi * k / std::numbers::phi;
-    const Quat to_x =
-        Quat::FromTwoVectors(Vec3(r * std::cos(turn), r * std::sin(turn), z), Vec3::UnitX());
+    const Quat to_x = rotation_onto(Vec3(r * std::cos(turn), r * std::sin(turn), z), Vec3::UnitX());
     std::vector<Piece> turned;
     for (const Piece& piece : pieces)
       turned.push_back({moved(piece.core, to_x, Vec3::Zero()), piece.radius});

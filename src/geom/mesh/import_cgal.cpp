@@ -51,8 +51,8 @@ void scale(std::vector<Vec3>& points, double unit) {
     for (const double at : p)
       if (!(std::abs(at) <= largest))
         refuse(
-            fmt::format("a coordinate is {:g} m, which is not a number or larger than 1000 km; is "
-                        "the length unit right?",
+            fmt::format("a coordinate is {:g} m; coordinates must be numbers of at most 1000 km in "
+                        "magnitude; is the length unit right?",
                         at));
   }
 }
@@ -193,8 +193,8 @@ Import import_mesh(const std::string& bytes, MeshFormat format, double unit,
     import.mesh = mesh_of(surface);
     return import;
   } catch (const CGAL::Failure_exception&) {
-    throw InputError({name + ": the mesh is too damaged to be repaired; repair it in a mesh "
-                             "editor, for example MeshLab"});
+    throw InputError({name + ": the mesh is too damaged for the repairs that this program makes; "
+                             "repair it in a mesh editor, for example MeshLab"});
   } catch (const std::exception& error) {  // lengths and counts of a broken file, too
     throw InputError({name + ": " + error.what()});
   }

@@ -19,11 +19,11 @@
 // small steps for a stiff contact; contact stiffness in the matrix, factorised in each iteration.
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "track/passage/passage_impl.hpp"
+#include "trackbed/core/decompositions.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::track {
@@ -215,7 +215,7 @@ Vector Passage::Impl::newton_step(const Vector& without) const {
   const auto n = static_cast<Eigen::Index>(acting.size());
   const Matrix jacobian = Matrix::Identity(n, n) +
                           Matrix(flexibility(acting, acting)) * Vector(slope(acting)).asDiagonal();
-  const Vector solved = jacobian.partialPivLu().solve(Vector(residual(acting)));
+  const Vector solved = solution(jacobian, residual(acting));
   for (Eigen::Index k = 0; k < n; ++k) {
     const Eigen::Index i = acting[static_cast<std::size_t>(k)];
     residual -= slope[i] * solved[k] * flexibility.col(i);
@@ -247,8 +247,9 @@ void Passage::Impl::solve_contacts(const Vector& without) {
   }
   throw RunError(
       fmt::format("the wheel-rail contacts did not converge to passage.tolerance = {:g} m within "
-                  "{} iterations of Newton's method; the last iteration changed an approach by "
-                  "{:.2g} m; reduce the time step (passage.step), or increase passage.tolerance",
+                  "{} iterations of Newton's method; the last iteration changed the compression "
+                  "of a contact by {:.2g} m; reduce the time step (passage.step), or increase "
+                  "passage.tolerance",
                   parameters.tolerance, most_iterations, largest));
 }
 

@@ -1,9 +1,8 @@
 // Static equilibrium of train and track before the first step.
 #include <fmt/format.h>
 
-#include <Eigen/LU>
-
 #include "track/passage/passage_impl.hpp"
+#include "trackbed/core/decompositions.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::track {
@@ -18,8 +17,9 @@ std::string why_no_equilibrium(const Train& train, double change, double toleran
       "static equilibrium of the train on the track did not converge to passage.tolerance = {:g} m "
       "in {} iterations of Newton's method ({}): a wheel may be unloaded",
       tolerance, most_iterations,
-      change < most_change ? fmt::format("the last one changed an approach by {:.2g} m", change)
-                           : "the last one has no finite solution");
+      change < most_change
+          ? fmt::format("the last one changed the compression of a contact by {:.2g} m", change)
+          : "the last one has no finite solution");
   for (const VehicleParameters& vehicle : train.vehicles())
     if (vehicle.body_offset != 0)
       return text + fmt::format("; reduce body_offset of {}", vehicle.name);
@@ -46,7 +46,7 @@ double Passage::Impl::iterate_equilibrium(Vector& u, const Matrix& g, const Vect
   Vector residual(m + n);
   residual << k * u - e * forces() - train.weight(),
       e.transpose() * u + approach + g * forces() - without;
-  const Vector change = jacobian.partialPivLu().solve(residual);
+  const Vector change = solution(jacobian, residual);
   u -= change.head(m);
   // Approaches of wheels remain positive: without contact the system would be singular.
   const Vector least = approach.head(wheels) / 10;

@@ -11,9 +11,9 @@
 // S, R and Z, the displacements of the track due to heights of the ground, follow from solves of
 // the track with a unit height of each seat. The stops of hanging sleepers act directly on the
 // ground.
-#include <Eigen/LU>
 
 #include "track/passage/passage_impl.hpp"
+#include "trackbed/core/decompositions.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::track {
@@ -58,7 +58,7 @@ void Passage::Impl::set_ground_compliance(const Matrix& compliance) {
     slope.col(k) = ballast_forces(displacement, rate * displacement, raised(k));
   }
   const Matrix whole = Matrix::Identity(count, count) + slope * compliance;
-  ground->compliance = whole.transpose().partialPivLu().solve(compliance.transpose()).transpose();
+  ground->compliance = solutions(whole.transpose(), compliance.transpose()).transpose();
   ground->contact_rows = Matrix::Zero(contacts(), count);
   const auto wheels = static_cast<std::size_t>(wheels_rolling());
   project_ground(wheels, touching.size());

@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "trackbed/core/decompositions.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/types.hpp"
 #include "trackbed/track/vehicle_layout.hpp"
@@ -212,9 +212,8 @@ std::vector<double> natural_frequencies(const VehicleParameters& vehicle, bool r
   const LinearSystem system = builder.system();
   const Eigen::MatrixXd k = Eigen::MatrixXd(system.stiffness)(kept, kept);
   const Eigen::MatrixXd m = Eigen::MatrixXd(system.mass)(kept, kept);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(k, m);
   std::vector<double> frequencies;
-  for (const double square : modes.eigenvalues())
+  for (const double square : generalised_eigenvalues(k, m))
     frequencies.push_back(std::sqrt(std::max(square, 0.0)) / (2 * std::numbers::pi));
   return frequencies;
 }

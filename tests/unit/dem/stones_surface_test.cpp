@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "support/stones.hpp"
+#include "trackbed/core/rotation.hpp"
 
 namespace trackbed::stones_surface_test {
 namespace {
@@ -200,7 +201,7 @@ TEST(StoneOnSurface, ABrickRestsHalfOverAnEdgeAndOnACorner) {
 TEST(StoneOnSurface, ACornerOfTheSurfaceHoldsAFace) {
   // The middle of a face of a brick is on the corner of a block set on its tip.
   Surface tip = test::block_of(Vec3::Constant(0.1), 1);
-  const Quat up = Quat::FromTwoVectors(Vec3::Ones(), Vec3::UnitZ());
+  const Quat up = rotation_onto(Vec3::Ones(), Vec3::UnitZ());
   for (Vec3& x : tip.position) x = up * x;
   dem::NewParticle one;
   const double overlap = 1e-4;

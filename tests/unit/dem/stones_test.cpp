@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "support/stone_pairs.hpp"
+#include "trackbed/core/rotation.hpp"
 
 namespace trackbed::stones_test {
 namespace {
@@ -84,7 +85,7 @@ std::vector<dem::NewParticle> overlapping(const dem::Template& a, const dem::Tem
     for (std::size_t n = 0; n < 2; ++n) {
       const Vec3 normal = (n ? b : a).pieces[0].core.faces[key % 4].normal;
       const Vec3 to = (n ? -1 : 1) * pair[1].position.normalized() + 0.02 * draw(40 + 3 * n, key);
-      pair[n].attitude = Quat::FromTwoVectors(normal, to);
+      pair[n].attitude = rotation_onto(normal, to);
     }
   test::bring_near(a, pair[0], b, pair[1], 0.01 * r);
   pair[1].position -= (0.05 + 0.95 * uniform(50, key)) * r * pair[1].position.normalized();

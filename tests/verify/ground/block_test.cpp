@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <numbers>
 
@@ -10,6 +10,7 @@
 #include "fem/kernel/stiffness.hpp"
 #include "fem/mesh/mesh.hpp"
 #include "support/verified.hpp"
+#include "trackbed/core/decompositions.hpp"
 #include "unit/fem/ground_scene.hpp"
 
 namespace trackbed::fem::block_test {
@@ -49,7 +50,7 @@ Eigen::VectorXd squared_frequencies(Dimension dimension, std::int64_t elements, 
     }
   *mass = 0;
   for (const double m : terms.mass) *mass += m;
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly).eigenvalues();
+  return symmetric_eigenvalues(k);
 }
 
 class Block : public ::testing::TestWithParam<Dimension> {};

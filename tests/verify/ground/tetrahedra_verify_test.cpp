@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <numbers>
 
@@ -12,6 +12,7 @@
 #include "fem/shape/tetrahedron.hpp"
 #include "fem/solver/linear_system.hpp"
 #include "support/verified.hpp"
+#include "trackbed/core/decompositions.hpp"
 #include "unit/fem/mesh_scene.hpp"
 
 namespace trackbed::fem::tetrahedra_verify_test {
@@ -257,8 +258,7 @@ TEST(Tetrahedra, FreeVibration) {
     for (Eigen::Index k = 0; k < root.size(); ++k)
       root[k] = 1 / std::sqrt(terms.mass[static_cast<std::size_t>(k) % mesh.nodes()]);
     const Eigen::MatrixXd k = root.asDiagonal() * matrix_of(mesh, stiffness) * root.asDiagonal();
-    const Eigen::VectorXd squared =
-        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly).eigenvalues();
+    const Eigen::VectorXd squared = symmetric_eigenvalues(k);
     double nearest = 0;
     for (const double s : squared)
       if (std::abs(std::sqrt(std::abs(s)) - exact) < std::abs(nearest - exact))

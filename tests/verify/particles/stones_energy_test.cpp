@@ -16,6 +16,7 @@
 #include "support/stone_pairs.hpp"
 #include "support/stones.hpp"
 #include "support/verified.hpp"
+#include "trackbed/core/rotation.hpp"
 
 namespace trackbed::stones_energy_test {
 namespace {
@@ -67,8 +68,8 @@ void lay_faces_together(Collision& c, const Vec3& along, std::uint64_t key) {
     const auto face =
         static_cast<std::size_t>(uniform(50 + n, key) * static_cast<double>(faces.size()));
     const Vec3 to = (n == 0 ? along : Vec3(-along)) + 0.01 * draw(55 + 3 * n, key);
-    c.body[n].attitude = Eigen::AngleAxisd(6 * uniform(61 + n, key), along) *
-                         Quat::FromTwoVectors(faces[face].normal, to);
+    c.body[n].attitude =
+        Eigen::AngleAxisd(6 * uniform(61 + n, key), along) * rotation_onto(faces[face].normal, to);
   }
 }
 
