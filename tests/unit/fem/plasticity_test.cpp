@@ -76,6 +76,30 @@ TEST_P(Plastic, UniformPlasticStrainIsFreeOfStress) {
   EXPECT_LT(force.cwiseAbs().maxCoeff(), 1e-9 * scale);
 }
 
+// Compression along any axis, with half of it across: the measure is that compression. Turned about
+// y in a plane, about y and z in space, so that all shear strains occur.
+TEST_P(Plastic, TheMeasureOfStrainDoesNotDependOnItsAxes) {
+  const bool flat = GetParam() == Dimension::plane;
+  GroundParameters parameters = box({1, 1, 1}, {1, 1, 1}, {50e6, 0.3, 2000});
+  parameters.layers[0].strength = {Yield::mohr_coulomb, 20e3, 30, 0, 10e3};
+  const Mesh mesh(Comm::self(), parameters, GetParam(), 1.0);
+  Plasticity plasticity(mesh);
+  const ElementPoints points = element_points(mesh.lattice.size, {50e6, 0.3, 2000}, GetParam());
+  const std::size_t count = plasticity.width() / static_cast<std::size_t>(points.components);
+  constexpr double size = 3e-3;
+  for (const double turn : {0.0, 0.3, 0.8, 1.5}) {
+    Mat3 about = Eigen::AngleAxisd(turn, Vec3::UnitY()).toRotationMatrix();
+    if (!flat) about = about * Eigen::AngleAxisd(1.1 * turn, Vec3::UnitZ());
+    const Mat3 e = about * Vec3(-size, size / 2, size / 2).asDiagonal() * about.transpose();
+    const double voigt[] = {e(0, 0), e(1, 1), e(2, 2), 2 * e(0, 1), 2 * e(1, 2), 2 * e(2, 0)};
+    for (int c = 0; c < points.components; ++c)
+      for (std::size_t g = 0; g < count; ++g)
+        plasticity.element(0).strain[static_cast<std::size_t>(c) * count + g] =
+            voigt[points.voigt(c)];
+    EXPECT_NEAR(plasticity.equivalent_strain(0), size, 1e-12 * size) << turn;
+  }
+}
+
 TEST_P(Plastic, IsBitwiseIdenticalOnRanksAndThroughACheckpoint) {
   const Comm world = Comm::world(), self = Comm::self();
   const std::string path = "plastic_on_" + std::to_string(world.size()) +
