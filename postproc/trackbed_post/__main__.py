@@ -71,7 +71,8 @@ def draw_geometry(given):
     """longitudinal level in the bands D1, D2, D3 and twist, of files or of runs of a track"""
     runs = [one for one in given.sources if one.is_dir()]
     folder = write.Folder(given.output, write.origin_of(runs) if runs else "", given.format)
-    geometry.draw_into(given.sources, folder, given.twist_base, given.window)
+    geometry.draw_into(given.sources, folder, given.twist_base, given.window,
+                       given.speed)
     print_folders([folder])
 
 
@@ -177,6 +178,9 @@ def parser():
     one.add_argument("--window", type=float, default=geometry.WINDOW, metavar="M",
                      help="length of the sliding window of the standard deviation, m; default: "
                           "%(default)g")
+    one.add_argument("--speed", type=float, metavar="KMH",
+                     help="speed of the line, above 80 and up to 160 km/h: states the track "
+                          "quality class of EN 13848-6")
     draws(one)
     one = command("curve", draw_curve)
     one.add_argument("quantity", help="a dataset such as history/rail/displacement")

@@ -15,6 +15,10 @@ from trackbed_post import measured, read, track_figures, track_measures
 BANDS = {"D1": (3.0, 25.0), "D2": (25.0, 70.0), "D3": (70.0, 150.0)}  # m, EN 13848-1
 WINDOW = 200.0     # m, of sliding standard deviations
 BASES = (3.0,)     # m, of twist
+# km/h, above the first and up to the second -> largest standard deviation of the level in D1 over
+# 200 m, mm, of the classes A to D; above is E. EN 13848-6:2014 as quoted by G. A. Krug, Analysis of
+# EN 13848-6 recommendations (undated), which has these two ranges only.
+CLASSES = {(80, 120): (0.75, 1.10, 1.80, 2.50), (120, 160): (0.65, 0.85, 1.40, 1.85)}
 GAP = 1.5          # median steps of x: rows are missing
 LEAST = 10         # samples of a window
 ENDS = 3           # longest wavelengths: a longer record is judged without one of them at each end
@@ -86,7 +90,8 @@ def of_run(folder):
     run = read.datasets(folder)
     wheels = track_figures.rolling(run) if "history/wheel/height" in run else []
     if not wheels or "track" not in deck:
-        raise read.Unreadable(f"{folder}: contains no path of a wheel on a track without a bed")
+        raise read.Unreadable(f"{folder}: has no path of a rolling wheel (history/wheel/height); "
+                              "only runs of a track without a bed have one")
     run_in, length = track_figures.run_in_of(deck), deck["track"]["length"]
     sides = wheels[:2] if track_figures.two_rails(run) else wheels[:1]
     x = track_figures.history(run, "wheel/x")[:, sides[0]]
@@ -106,7 +111,7 @@ def why_not(level, band):
     shortest, longest = BANDS[band]
     if level.length < longest:
         return f"the record is shorter than {longest:g} m"
-    return f"its step of {level.step:g} m does not resolve {shortest:g} m" \
+    return f"the record's step of {level.step:g} m does not resolve wavelengths of {shortest:g} m" \
         if 2 * level.step > shortest else ""
 
 
@@ -154,7 +159,7 @@ def worst_window(x, values, window):
 def numbers(level, bases=BASES, window=WINDOW):
     """Name -> (value, unit)."""
     found = {"length": (level.length, "m")}
-    rails = ("left rail", "right rail") if level.height.shape[1] == 2 else ("rail",)
+    rails = rails_of(level)
     for name, values in bands_of(level).items():
         rows = inner(level, name)
         for rail, one in zip(rails, values[rows].T):
@@ -170,6 +175,31 @@ def numbers(level, bases=BASES, window=WINDOW):
         found[f"twist over {base:g} m: location of the largest"] = (x[np.argmax(np.abs(slope))],
                                                                     "m")
     return found
+
+
+def limits_at(speed):
+    """Limits of the classes at a speed, km/h."""
+    for (above, most), limits in CLASSES.items():
+        if above < speed <= most:
+            return limits
+    raise read.Unreadable(f"--speed {speed:g}: the limits of the classes of EN 13848-6 are known "
+                          "above 80 and up to 160 km/h; leave the option out")
+
+
+def classes(level, speed, window=WINDOW):
+    """Rail -> its class of EN 13848-6, A to E, by the largest standard deviation in D1 within
+    `window` m."""
+    name = "D1"
+    if name not in (bands := bands_of(level)):
+        return {}
+    rows, limits = inner(level, name), limits_at(speed)
+    spreads = [1e3 * worst_window(level.x[rows], one, window)[0] for one in bands[name][rows].T]
+    return {rail: "ABCDE"[int(np.searchsorted(limits, spread))]
+            for rail, spread in zip(rails_of(level), spreads)}
+
+
+def rails_of(level):
+    return ("left rail", "right rail") if level.height.shape[1] == 2 else ("rail",)
 
 
 def draw(levels, bases=BASES):
@@ -204,8 +234,11 @@ def draw(levels, bases=BASES):
     return figure
 
 
-def draw_into(sources, folder, bases=BASES, window=WINDOW):
-    """Picture geometry and table geometry.txt of files or runs into a write.Folder."""
+def draw_into(sources, folder, bases=BASES, window=WINDOW, speed=None):
+    """Picture geometry and table geometry.txt of files or runs into a write.Folder; with the
+    classes at a speed, km/h."""
+    if speed is not None:
+        limits_at(speed)
     if len(sources) > len(STYLES):
         raise read.Unreadable(f"give at most {len(STYLES)} files or runs")
     levels = [load(one) for one in sources]
@@ -221,6 +254,9 @@ def draw_into(sources, folder, bases=BASES, window=WINDOW):
         lines.append(f"{level.name}, {level.x[0]:g} to {level.x[-1]:g} m")
         lines += [f"  {name:<62}{value:12.5g} {unit}"
                   for name, (value, unit) in numbers(level, bases, window).items()]
+        for rail, letter in classes(level, speed, window).items() if speed is not None else ():
+            lines.append(f"  {f'D1, {rail}: class of EN 13848-6 at {speed:g} km/h':<62}"
+                         f"{letter:>12}")
         lines += [f"  no {name}: {why}" for name in BANDS if (why := why_not(level, name))]
         lines += [f"  {remark}" for remark in level.remarks]
     folder.table("geometry.txt", "\n".join(lines) + "\n")

@@ -225,7 +225,8 @@ def count_colours(vtk, window):
     from vtk.util.numpy_support import vtk_to_numpy
     import numpy as np
     pixels = vtk_to_numpy(grab(vtk, window).GetOutput().GetPointData().GetScalars())
-    return len(np.unique(pixels[np.any(pixels != 255, axis=1)], axis=0))
+    colours = np.unique(pixels.astype(np.int64) @ [1 << 16, 1 << 8, 1])
+    return np.count_nonzero(colours != 0xFFFFFF)  # white is the background
 
 
 def render(file, picture, array=None, view="side"):

@@ -79,7 +79,7 @@ def test_rails_are_found_by_name_and_gaps_are_stated(tmp_path):
     assert "1 gaps, the longest of 10.25 m at 49.75 m" in one.remarks[0]
     assert one.step == pytest.approx(STEP)
     coarse = geometry.Level("made", 5.0 * np.arange(100), np.zeros((100, 1)))
-    assert "does not resolve 3 m" in geometry.why_not(coarse, "D1")
+    assert "does not resolve wavelengths of 3 m" in geometry.why_not(coarse, "D1")
     assert set(geometry.bands_of(coarse)) == {"D2", "D3"}
 
 
@@ -97,6 +97,27 @@ def test_command_reads_files_and_names_bands_that_are_too_long(tmp_path):
     assert (tmp_path / "out/geometry.png").is_file()
 
 
+@pytest.mark.parametrize("spread, speed, letter", [
+    (0.74, 120, "A"), (0.76, 120, "B"), (1.09, 81, "B"), (1.7, 120, "C"), (2.6, 120, "E"),
+    (0.64, 121, "A"), (0.74, 121, "B"), (1.3, 160, "C"), (1.8, 160, "D"), (1.9, 160, "E")])
+def test_the_class_depends_on_spread_and_speed(tmp_path, spread, speed, letter):
+    wave = waves({9: 1e-3 * spread * 2**0.5})  # in the middle of D1
+    path = write_csv(tmp_path / "line.csv", x_m=X, z_m=wave)
+    ran = conftest.call("geometry", path, "-o", tmp_path / "out", "--speed", speed)
+    assert ran.returncode == 0, ran.stderr
+    table = (tmp_path / "out/geometry.txt").read_text()
+    stated = table.split(f"D1, rail: class of EN 13848-6 at {speed} km/h")[1].split()[0]
+    assert stated == letter, table
+
+
+@pytest.mark.parametrize("speed", [80, 161, float("nan")])
+def test_classes_of_other_speeds_are_refused(tmp_path, speed):
+    path = write_csv(tmp_path / "line.csv", x_m=X, z_m=waves({9: 1e-3}))
+    ran = conftest.call("geometry", path, "-o", tmp_path / "out", "--speed", speed)
+    assert ran.returncode == 2 and "above 80 and up to 160 km/h" in ran.stderr
+    assert not (tmp_path / "out/geometry.txt").exists()
+
+
 @pytest.mark.parametrize("columns, words", [
     ({"x_m": X[:50]}, "one or two of heights"),
     ({"x_m": X[:50], "z_g": X[:50]}, "must be lengths"),
@@ -112,5 +133,5 @@ def test_bad_files_are_refused(tmp_path, columns, words):
 
 
 def test_bed_has_no_path_of_a_wheel(tmp_path):
-    with pytest.raises(read.Unreadable, match="no path of a wheel"):
+    with pytest.raises(read.Unreadable, match="no path of a rolling wheel"):
         geometry.load(made.write(tmp_path / "bed"))
