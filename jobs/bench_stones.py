@@ -10,11 +10,11 @@ of the deck's bed. It is poured and settled to rest under each law; the measured
 it side by side (bed.cell), on two ranks twice as many as on one, so that each rank has the same
 number of stones. The time of the preparation is printed. `contacts` counts contacts of pieces,
 `touched` the stones (and the floor) that a stone touches, `list time` is the fraction of the DEM
-time that neighbour lists take, `over one rank` the speed per core divided by that on one rank. All
-cases alternate, RUNS times (3), and the best run of each counts, because other work on the machine
-can only slow it down. The processor time shows what a busy machine hides in the wall time. Both
-programs are timed over the whole loop: trackbed by the wall time of the last stage, with coupling
-and history output, LAMMPS by its loop time. LAMMPS (Debian's) moves the spheres of
+time that neighbour lists take, `relative to one rank` the speed per core divided by that on one
+rank. All cases alternate, RUNS times (3), and the best run of each counts, because other work on
+the machine can only slow it down. The processor time shows what a busy machine hides in the wall
+time. Both programs are timed over the whole loop: trackbed by the wall time of the last stage, with
+coupling and history output, LAMMPS by its loop time. LAMMPS (Debian's) moves the spheres of
 inputs/bench/spheres.toml (bench_spheres.py), and the same clumps with fix rigid/small and the same
 law between spheres; it is left out where there is no `lmp`.
 """
@@ -236,10 +236,12 @@ def beside_lammps(program, folder, cases):
 
 
 def table(cases):
-    print("deck      law     ranks  stones  contacts  touched  stone-steps   by CPU time"
-          "   list time  B/stone  without contacts  core over that\n"
-          "                                  /stone   /stone  /s/core       /s/core"
-          "                                         on one rank")
+    print("deck      law     ranks  stones  contacts   bodies  stone-steps   by CPU time"
+          "  neighbour  B/stone  without contacts   rate relative\n"
+          "                                of pieces  touched  /s/core       /s/core"
+          "          lists                            to one rank\n"
+          "                                  /stone   /stone"
+          "                                     of DEM")
     for case in cases:
         dem = case.runs[-1]
         alone = next(c for c in cases if (c.name, c.law, c.ranks) == (case.name, case.law, 1))

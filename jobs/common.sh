@@ -100,7 +100,7 @@ END
   ) || return 1
   file=$PWD/$folder/stage_$stage.h5
   if [ ! -f "$file" ]; then
-    echo "$file is missing; the run without wedge starts from it; first run" \
+    echo "$file, from which the run without wedge starts, is missing; create it with:" \
       "build/release/trackbed run $deck -o $folder" >&2
     return 1
   fi

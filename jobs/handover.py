@@ -180,9 +180,9 @@ class Loop:
                 continue
             value = tomllib.loads(deck.read_text(encoding="utf-8"))["stage"][-1][key]
             if value != getattr(self.given, name):
-                launch.refuse(f"{self.given.folder} holds rounds with {name} = {value:.9g}, not "
-                              f"{getattr(self.given, name):.9g}: choose another folder, or use "
-                              "--force")
+                launch.refuse(f"{self.given.folder} holds rounds with handover.{name} = "
+                              f"{value:.9g}, not {getattr(self.given, name):.9g}: choose another "
+                              "folder, or use --force")
 
     def refuse_other_each(self):
         """Refuses another EACH: the geometry of a round is the settlement under one train of the
@@ -201,8 +201,8 @@ class Loop:
         count = tomllib.loads(trains.read_text(encoding="utf-8"))["stage"][-1]["cycles"]
         each = sunk / lost[most] / count if lost[most] else 0.0
         if each and not np.isclose(each, self.given.each, rtol=1e-9):
-            launch.refuse(f"{self.given.folder} holds rounds with each = {each:.9g}, not "
-                          f"{self.given.each:g}: choose another folder, or use --force")
+            launch.refuse(f"{self.given.folder} holds rounds with handover.each = {each:.9g}, "
+                          f"not {self.given.each:g}: choose another folder, or use --force")
 
     def try_decks(self, done):
         """Lets the program check the decks of the first round, with preliminary values."""

@@ -169,8 +169,9 @@ def main():
             change = found[name, mass] / found[name, given.masses[0]] - 1
             print(f"{name:24} mass {mass:3} x: largest downward displacement of the rail "
                   "(in brackets: root mean square) " + ", ".join(
-                f"{1e3 * down:.4f} ({1e3 * rms:.4f}) mm at {point} m, change from mass "
-                f"{given.masses[0]} x {100 * more:+.1f} ({100 * more_rms:+.1f}) %"
+                f"{1e3 * down:.4f} ({1e3 * rms:.4f}) mm at {point} m, "
+                f"{100 * more:+.1f} ({100 * more_rms:+.1f}) % relative to its value "
+                f"with {given.masses[0]} times the mass"
                 for point, (down, rms), (more, more_rms)
                 in zip(POINTS, found[name, mass].T, change.T)), flush=True)
     with open(given.folder / "sleeper_mass.csv", "w", newline="", encoding="utf-8") as out:

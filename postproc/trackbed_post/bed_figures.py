@@ -119,7 +119,8 @@ def section(runs):
         panel.plot(places, mean, color=colour, label=f"{run.name}, end of {stage}: mean")
         asked = outline(run, places if axis == 1 else np.zeros_like(places))
         if asked is not None:
-            panel.plot(places, np.maximum(asked, 0), "k--", lw=1, label="outline of the deck")
+            panel.plot(places, np.maximum(asked, 0), "k--", lw=1,
+                       label="outline given in the input")
         panel.set_xlabel(("x along", "y across")[axis] + " the track (m)")
     panel.set_ylabel("top of the stones (m)")
     panel.grid(alpha=0.3)

@@ -205,8 +205,10 @@ def draw_into(results, folder, quantity, place=-1, over=(), shift=0.0):
     others = [dataclasses.replace(other, x=other.x + shift) for other in others]
     for one in (*curves[1:], *others):
         if (one.x_unit, one.unit) != (curves[0].x_unit, curves[0].unit):
-            raise read.Unreadable(f"{one.name} is in {one.unit} over {one.x_unit}, "
-                                  f"{curves[0].name} in {curves[0].unit} over {curves[0].x_unit}")
+            raise read.Unreadable(
+                "curves of different units cannot be drawn together: "
+                + "; ".join(f"{each.name} has values in {each.unit} and x in {each.x_unit}"
+                            for each in (one, curves[0])))
     folder.picture("curve", draw(curves, others, quantity))
     folder.file("curve.csv", as_csv((*curves, *others)))
     folder.table("curve.txt", table_of(curves, others))

@@ -13,12 +13,12 @@ from trackbed_post import heap, read
 GRAVITY = 9.81   # m/s^2
 SMOOTH = 1e-3    # m of displacement over which stresses are averaged; a row is a mean over a window
 
-# Values in degrees and MPa; [M]: from memory, not read in the source (docs/laboratory.md).
-PUBLISHED_FRICTION = {"clean ballast, 15-75 kPa, range [M]": (45, 65),
+# Values in degrees and MPa. Those not checked are from memory (docs/laboratory.md).
+PUBLISHED_FRICTION = {"clean ballast, 15-75 kPa, range not checked in a source": (45, 65),
                       "coarse soil, critical (Dolzyk-Szypcio 2019)": (41.2, 41.2)}
-PUBLISHED_TRIAXIAL = {"clean ballast, 15-120 kPa, range [M]": (45, 65)}
-PUBLISHED_MODULUS = {"ballast, first loading, range [M]": (20, 100)}
-PUBLISHED_REPOSE = {"crushed stone, range [M]": (35, 45)}
+PUBLISHED_TRIAXIAL = {"clean ballast, 15-120 kPa, range not checked in a source": (45, 65)}
+PUBLISHED_MODULUS = {"ballast, first loading, range not checked in a source": (20, 100)}
+PUBLISHED_REPOSE = {"crushed stone, range not checked in a source": (35, 45)}
 
 
 def kinds(run):
@@ -115,8 +115,9 @@ def dilation_angle(axial, volumetric):
 
 def draw_shear(runs, folder):
     figure, (top, bottom) = plt.subplots(2, 1, figsize=(7, 8), sharex=True, layout="constrained")
-    lines = ["direct shear: values at the peak of tau over the normal stress on the plane; dilation"
-             " angle of the last two thirds of the displacement\n"
+    lines = ["direct shear: values where the ratio of shear stress tau to normal stress, both on"
+             " the shear plane, is largest; dilation angle of the last two thirds of the"
+             " displacement\n"
              "                 sigma, kPa       tau  sigma, kPa  friction angle, deg   dilation  at"
              "\n                  of platen       kPa  on plane   platen    plane      angle, deg"
              "  mm"]

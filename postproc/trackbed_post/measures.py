@@ -150,8 +150,8 @@ def why_no_transition(results):
     """Why a run has no transition; empty if it has one."""
     return why_no_envelope(results) or (
         "" if edge_of_structure(results) is not None else
-        f'{results.name}: no ground block named "structure" with present = true ends within '
-        "the ground")
+        f'{results.name}: the ground needs a block named "structure" (present = true); at least '
+        "one of its ends along x must lie inside the ground")
 
 
 def transition(results, wedge=0.0):

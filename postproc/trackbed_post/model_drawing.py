@@ -184,8 +184,8 @@ class Scene:
     def explain_chains(self, largest):
         self.panel.legend(
             [matplotlib.lines.Line2D([], [], color=FORCE, lw=CHAIN_WIDTH)],
-            [f"contact force, width proportional: {largest / 1e3:.0f} kN on "
-             f"{self.run.deck.get('thickness', 1):g} m"], loc="upper right", fontsize=9)
+            [f"contact force, width proportional; this line: {largest / 1e3:.0f} kN in a model "
+             f"{self.run.deck.get('thickness', 1):g} m thick"], loc="upper right", fontsize=9)
 
     def set_train(self, axles):
         """Wheels at these x (nan: not on the track), and a sketch of bogies and bodies if all

@@ -33,7 +33,8 @@ class LowPass:
         if dt is None:
             return "rows unevenly spaced"
         if 2 * self.cut_off * dt >= 1:
-            return f"rows {1e3 * dt:.3g} ms apart, less than {500 / self.cut_off:g} ms needed"
+            return (f"rows are {1e3 * dt:.3g} ms apart, but must be less than "
+                    f"{500 / self.cut_off:g} ms apart")
         return "" if len(time) >= least else f"{len(time)} rows, {least} needed"
 
     def name_for(self, time):

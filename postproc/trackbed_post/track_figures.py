@@ -146,13 +146,14 @@ def numbers(run, length, extremes=None, run_in=0):
         if "extreme/rail/displacement" in run:
             lowest = run["extreme/rail/displacement"].values.ravel()
         for x, down in zip(places(run, "rail/x"), -np.asarray(lowest)):
-            found[f"rail at {x}, down, largest"] = (1e3 * down + 0.0, "mm")  # avoids minus zero
+            # + 0.0 avoids minus zero.
+            found[f"rail at {x}, largest downward displacement"] = (1e3 * down + 0.0, "mm")
     if "sleepers/x" not in run:
         return found
     acceleration = FILTER(time, history(run, "sleeper/acceleration"), at_rest_before(run))
     lowest, most = of_sleepers(run, "displacement", "min"), of_sleepers(run, "seat_force", "max")
     for i, x in enumerate(places(run, "sleepers/x")):
-        found[f"sleeper at {x}, down, largest"] = (-1e3 * lowest[i], "mm")
+        found[f"sleeper at {x}, largest downward displacement"] = (-1e3 * lowest[i], "mm")
         found[f"seat at {x}, largest load"] = (most[i] / 1e3, "kN")
         found[f"sleeper at {x}, acceleration, {FILTER.name_for(time)}"] = (
             np.abs(acceleration[:, i]).max(), "m/s2")

@@ -97,7 +97,8 @@ def numbers(passing):
         lean = passing.seats[..., 0] - passing.seats[..., 1]
         found["left minus right seat height of a sleeper, largest"] = (1e3 * lean.max(), "mm")
         found["left minus right seat height of a sleeper, smallest"] = (1e3 * lean.min(), "mm")
-    found["rail above the sleepers, down, largest"] = (-1e3 * passing.rail.min(), "mm")
+    found["rail above the sleepers, largest downward displacement"] = (
+        -1e3 * passing.rail.min(), "mm")
     left = -1e3 * passing.left
     residual = "residual downward displacement of sleepers, ground included"
     found[f"{residual}, mean"] = (left.mean(), "mm")

@@ -45,7 +45,8 @@ void declare_standard(LayerParameters& bed, input::Section& s) {
 void declare_limits(const LayerParameters& bed, input::Section& s) {
   const GradingLimits& limits = limits_of(bed.grading);
   if (limits.sieve.empty()) return;
-  s.rule("sieve", bed.sieve == limits.sieve, "is given by the grading; leave it out",
+  s.rule("sieve", bed.sieve == limits.sieve,
+         "differs from the sieves of the grading; leave it out, or use grading = \"custom\"",
          {.reads = {"grading", "sieve"}});
   if (bed.sieve != limits.sieve || bed.passing.size() != limits.sieve.size()) return;
   for (std::size_t k = 0; k < limits.sieve.size(); ++k)
@@ -89,7 +90,7 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
   s.number(
       "angularity", bed.angularity, {.at_least = 0, .at_most = 1},
       "Angularity (pebbles); 0: corners evenly on an ellipse; above 0: on a superellipse of the "
-      "exponent 2 + 2 angularity, at angles and radii that scatter in proportion.");
+      "exponent 2 + 2 angularity, at angles and radii whose scatter is proportional to it.");
   s.numbers("clump", bed.clump, {.unit = "m"},
             "x, y, z, radius of each sphere of the stone (clump), at any scale, since the "
             "program scales the stone to the sieves; none: generated polyhedra are filled with "

@@ -81,7 +81,7 @@ void declare_rules_of_shape(const ShapeParameters& p, input::Section& s) {
   bool wide = true;
   for (const double side : p.sides) wide = wide && side > 2 * p.rounding;
   s.rule("sides", !block || wide,
-         fmt::format("must each be above twice the rounding, {:g} m", 2 * p.rounding));
+         fmt::format("must each be above {:g} m, twice the rounding", 2 * p.rounding));
   constexpr std::size_t fewest = 12;  // a tetrahedron
   s.rule("corners", !hull || (p.corners.size() >= fewest && p.corners.size() % 3 == 0),
          "must list x, y, z of at least four corners for a hull");

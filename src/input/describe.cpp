@@ -59,7 +59,7 @@ std::string meaning_of(const Spec& spec) {
   using namespace state;
   static constexpr std::array<std::pair<StateParts, const char*>, 11> words{{
       {any, "when a run continues from a checkpoint"},
-      {earlier, "in elements of the list that a checkpoint contains"},
+      {earlier, "for list entries that existed when the checkpoint was written"},
       {sleepers, "once sleepers are placed"},
       {solid_sleepers, "once solid sleepers are placed"},
       {solid_rails, "once solid rails are placed"},

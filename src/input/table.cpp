@@ -101,8 +101,8 @@ struct Table {
     if (cells.size() != width) {
       problems.push_back(
           fmt::format("{}:{}: has {} columns, but the line with the names of the columns has {}; "
-                      "give each row as many",
-                      path, line, cells.size(), width));
+                      "give each row {} columns",
+                      path, line, cells.size(), width, width));
       return;
     }
     lines.push_back(line);

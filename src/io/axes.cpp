@@ -26,7 +26,7 @@ void File::make_axis(const std::string& axis) {
   const hid_t id = dataset.id.get();
   const std::string name = axis.substr(axis.rfind('/') + 1);
   handle_->agree(H5DSis_scale(id) > 0 || H5DSset_scale(id, name.c_str()) >= 0, "dataset " + axis,
-                 "cannot become an axis");
+                 "cannot be made an HDF5 dimension scale");
 }
 
 void File::set_axis(const std::string& path, std::size_t dimension, const std::string& axis) {
@@ -34,7 +34,7 @@ void File::set_axis(const std::string& path, std::size_t dimension, const std::s
   const Dataset dataset = open_dataset(*handle_, path), scale = open_dataset(*handle_, axis);
   handle_->agree(
       H5DSattach_scale(dataset.id.get(), scale.id.get(), static_cast<unsigned>(dimension)) >= 0,
-      subject_of(path, dimension), "cannot have the axis " + axis);
+      subject_of(path, dimension), "cannot be attached to the HDF5 dimension scale " + axis);
 }
 
 bool File::has_axis(const std::string& path, std::size_t dimension) const {

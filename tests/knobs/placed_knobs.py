@@ -85,7 +85,7 @@ REFUSED = {
     "stone.odd.name=ball": "stones need different names",
     "stone.odd.name='a b'": "must be a word",
     "box.walls.name=floor": "is also the name of a [[plate]]",
-    "stone.odd.sides=[0.03,0.02,0.001]": "must each be above twice the rounding, 0.002 m",
+    "stone.odd.sides=[0.03,0.02,0.001]": "must each be above 0.002 m, twice the rounding",
     "stone.odd.shape=hull": "must list x, y, z of at least four corners",
     f"{OTHER} stone.odd.shape=hull stone.odd.corners=[0,0,0,1,0,0,0,1,0,1,1,0]":
         "stone[1].corners: they enclose no volume",

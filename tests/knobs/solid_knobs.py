@@ -62,7 +62,7 @@ PLACED = {
 }
 # Reports of `check`: pads of any stiffness are possible in a window.
 REPORTED = {
-    f"{TRAIN} passage.step=2e-5": "(determined by the coupling, passage.step)",
+    f"{TRAIN} passage.step=2e-5": "(determined by the coupling: passage.step)",
     f"{TRAIN} pad.stiffness=1e12 passage.step=1e-3": "load 271, passage 677\n",
 }
 WARNED = {

@@ -119,7 +119,7 @@ def test_command_states_the_deviation(run, tmp_path):
     assert "have no common range" in ran.stdout
     csv(tmp_path, "time_s,down_mm\n1,2\n")
     ran = conftest.call(*command)
-    assert ran.returncode == 2 and "is in m over s" in ran.stderr
+    assert ran.returncode == 2 and "has values in m and x in s" in ran.stderr
 
 
 def test_mean_and_deviation_over_the_seeds(tmp_path):

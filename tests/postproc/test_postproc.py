@@ -121,7 +121,7 @@ def test_model_without_ground_or_structure_is_reported(runs, tmp_path):
     bare = read.results(made.write(tmp_path / "bare", ground=False))
     assert "no transition to measure: bare has no ground" in measures.table([bare])
     plain = dataclasses.replace(runs[0], deck={**runs[0].deck, "ground": {}})
-    assert ('wedge: no ground block named "structure" with present = true ends'
+    assert ('wedge: the ground needs a block named "structure" (present = true)'
             in measures.table([plain]))
     idle = dataclasses.replace(runs[0], deck={"stage": [{"name": "load", "kind": "load"}]})
     assert "contains no passage: the deck has no stage of kind passage" in measures.table([idle])
@@ -168,7 +168,7 @@ def test_low_pass_keeps_10_hz_and_removes_300_hz():
 def test_low_pass_reports_when_it_does_not_apply():
     coarse, uneven = np.arange(0, 2, 0.01), np.cumsum(np.r_[np.full(50, 1e-3), np.full(50, 2e-3)])
     short = coarse[:24] / 10
-    for time, why in ((coarse, "rows 10 ms apart, less than 5 ms needed"),
+    for time, why in ((coarse, "rows are 10 ms apart, but must be less than 5 ms apart"),
                       (uneven, "rows unevenly spaced"), (short, "24 rows, 25 needed")):
         assert signals.LowPass().name_for(time) == f"not filtered: {why}"
         assert np.array_equal(signals.LowPass()(time, time), time)

@@ -105,7 +105,7 @@ def check_rounds(loops, deck):
             raise SystemExit(f"{name}: the height of a rail without settlement must be 0.0")
     loops.ends(0, "keeps round 1 and later", deck, place, "--rounds", "1")
     for name, used, other in (("each", 1, 10), ("load", 30000, 20000), ("trains", 2, 3)):
-        refusal = f"holds rounds with {name} = {used}, not {other}: choose another folder"
+        refusal = f"holds rounds with handover.{name} = {used}, not {other}: choose another folder"
         reported = loops.ends(2, refusal, deck, place, f"--{name}", str(other))
         if len(reported.splitlines()) != 1:
             raise SystemExit(f"another `{name}` must be refused at once: {reported}")

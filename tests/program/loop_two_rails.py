@@ -169,8 +169,8 @@ def main():
     loop([*words, folder / "loop"], 2)
     if (folder / "loop/round_1/trains/results.h5").stat().st_mtime_ns != before:
         raise SystemExit("a finished loop must not start again")
-    if f"holds rounds with each = {EACH}" not in loop([*words, folder / "loop", "--each", "7"], 2,
-                                                      code=2):
+    held = f"holds rounds with handover.each = {EACH}"
+    if held not in loop([*words, folder / "loop", "--each", "7"], 2, code=2):
         raise SystemExit("another `each` must be refused")
     loop([*words, folder / "alone", "--rounds", "1"], 1)
     if table(folder / "alone/handover.csv") != rows[:4]:

@@ -127,11 +127,12 @@ def check_loop_again(source, program, folder, place):
     if ran.returncode or table.read_bytes() != first or kept.stat().st_mtime_ns != written:
         raise SystemExit(f"handover.py again: {ran.stdout}{ran.stderr}")
     ran = again(deck_of_loop(source, folder), "--load", "20e3")
-    if ran.returncode != 2 or "holds rounds with load = 30000, not 20000" not in ran.stderr:
+    other = "holds rounds with handover.load = 30000, not 20000"
+    if ran.returncode != 2 or other not in ran.stderr:
         raise SystemExit(f"another load must be refused: {ran.stdout}{ran.stderr}")
     # EACH only changes the geometry, and so the second round.
     ran = again(deck_of_loop(source, folder), "--each", "10")
-    if ran.returncode != 2 or "holds rounds with each = 1, not 10" not in ran.stderr:
+    if ran.returncode != 2 or "holds rounds with handover.each = 1, not 10" not in ran.stderr:
         raise SystemExit(f"another geometry must be refused: {ran.stdout}{ran.stderr}")
     deck = folder / "misspelt.toml"
     deck.write_text(deck_of_loop(source, folder).read_text(encoding="utf-8").replace(

@@ -53,9 +53,9 @@ REFUSED = {
 }
 # Words of check: a pad on a seat turns 12 kg where the gauge is 0.45 m, and bears half a sleeper.
 REPORTED = {"sleepers.free=[\"z\"]": "does not contain rx: the sleepers of the bed",
-        "track.gauge=0.45 pad.stiffness=120e6": "sleeper: mass 12.3 kg per rail, pad of",
+        "track.gauge=0.45 pad.stiffness=120e6": "of a sleeper on its pads, m = 12.3 kg per rail",
         "track.gauge=0.45 pad.stiffness=120e6 pad.damping=25e3 sleepers.free=[\"z\"]":
-            "sleeper: mass 27.5 kg per rail, pad of"}
+            "of a sleeper on its pads, m = 27.5 kg per rail"}
 
 
 def check_sentences(program, deck):

@@ -88,7 +88,7 @@ def check_old_runs(program, made, other):
 def check_spent(program, deck, made, place):
     """Parameters of finished stages cannot be changed; others can."""
     for change, why in (("bed.seed=5", "the stones have already been made"),
-                        ("platen.pressure=30e3", "in which the platen loads the bed is left"),
+                        ("platen.pressure=30e3", "the platen loads the bed in no remaining stage"),
                         ("stage.fill.duration=1", "this stage is over"),
                         ("settle_average=1", "the ground already moves"),
                         ("output.stop_after=1", "the run has already computed")):
@@ -200,7 +200,7 @@ def check_signals(program, deck, folder):
 def check_solver_options(program, deck, folder):
     """Invalid words after -- are reported as they were given."""
     cases = [(["ground_ksp_type=cg"], '"ground_ksp_type=cg" is not an option'),
-             (["-ground_pc_type", "nosuch"], "(-ground_pc_type nosuch)"),
+             (["-ground_pc_type", "nosuch"], "(after `--`: -ground_pc_type nosuch)"),
              (["-ground_pc_type", "lu", "-ground_pc_factor_mat_solver_type", "superlu_nope"],
               "superlu_nope"),
              (["-ground_ksp_rtol", "-1"], "-ground_ksp_rtol = -1: must be at least 0 and below 1"),
@@ -208,7 +208,7 @@ def check_solver_options(program, deck, folder):
              (["-options_file", "nofile"], "-options_file nofile: this file cannot be read"),
              (["-log_view", ":/nonexistent/x"],
               "-log_view :/nonexistent/x: this file cannot be written"),
-             (["-ground_ksp_type"], "(-ground_ksp_type)")]
+             (["-ground_ksp_type"], "(after `--`: -ground_ksp_type)")]
     start = f"start={folder / 'made/stage_sleepers.h5'}"
     run = ["run", deck, start, "-o", folder / "options", "--force"]
     for options, words in cases:
@@ -216,7 +216,7 @@ def check_solver_options(program, deck, folder):
             ran = program(ranks, *command, "--", *options)
             expect(ran.returncode == 2 and words in ran.stderr and "PETSC ERROR" not in ran.stderr,
                    f"{command[0]} on {ranks} ranks: {options} must be refused", ran)
-    for options, words in (("-ground_pc_type nosuch", "PETSC_OPTIONS (-ground_pc_type nosuch)"),
+    for options, words in (("-ground_pc_type nosuch", "(in PETSC_OPTIONS: -ground_pc_type nosuch)"),
                            ("-options_file nofile", "PETSC_OPTIONS: -options_file nofile: this")):
         os.environ["PETSC_OPTIONS"] = options
         ran = program(1, *run)
@@ -256,7 +256,7 @@ def check_tried_options(program, deck, folder, start):
         for name in ("ksp_type", "direct_pc_factor_mat_solver_type"):
             option = f"-ground_tangent_{name}"
             ran = program(1, *command, *implicit, "--", option, "nosuch")
-            expect(ran.returncode == 2 and f"({option} nosuch)" in ran.stderr,
+            expect(ran.returncode == 2 and f": {option} nosuch)" in ran.stderr,
                    f"{command[0]}: {option} must be refused", ran)
     view, matrix = folder / "view.txt", folder / "matrix.txt"
     options = ["-ground_ksp_view", f"ascii:{view}", "-mat_view", f":{matrix}"]

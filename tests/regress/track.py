@@ -51,7 +51,7 @@ REFUSED = {
     "under_sleeper_pad.stiffness=8e7 track.sleeper.model=beam":
         'must be 0 with track.sleeper.model = "beam"',
     "under_sleeper_pad.from=9 under_sleeper_pad.to=9": "must be above `from`, or 0",
-    f"{SEATS} pad.uplift=true": "pad.uplift = true: needs a rail, which seat loads replace",
+    f"{SEATS} pad.uplift=true": "pad.uplift = true: needs a rail, but seat loads act in place of",
     f"{SEATS} track.ends=free": 'must be "pinned" if seat loads are applied',
     f"{SEATS} track.support=continuous": 'must be "sleepers" if seat loads are applied',
     f"{SEATS} load.kind=table": "load.file",

@@ -32,7 +32,7 @@ REFUSED = {
     "ground.integrator=newmark ground.newmark_beta=0.3":
         'model = "track_on_ground": the track is integrated with average acceleration',
     "ground.layer.soil.yield=mohr_coulomb": "must not yield below a track without stones",
-    "track.support=continuous": 'must be "sleepers": the ground is below the ballast',
+    "track.support=continuous": 'must be "sleepers": the ground carries the ballast',
     "track.dimension=space":
         'footing.rails = 1.0 (default): must be 2 if track.dimension = "space"',
     "track.dimension=space footing.rails=1.5":
@@ -69,7 +69,7 @@ STEPS = [
     (["passage.step=1e-4", "irregularity.kind=joint", "irregularity.at=6",
       "irregularity.length=0.2"], [], ["irregularity.length"]),
     (["passage.step=1e-2", "force=[{at=6,kind='impact',length=2e-3,size=1e3}]"],
-     ["force[0].length = 0.002: gives an impact of 0.002 s, which steps of 0.0003448 s resolve"],
+     ["force[0].length = 0.002: gives an impact of 0.002 s: steps of 0.0003448 s resolve it"],
      []),
     (["passage.step=1e-2", "force=[{at=6,kind='impact',length=3e-3,size=1e3}]"], [], ["force[0]"]),
 ]

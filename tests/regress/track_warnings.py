@@ -98,7 +98,7 @@ REFUSED = [
 ]
 WARNED = [
     (["passage.duration=0.1"], '[[force]]\nat = 5\nsize = 1e3\nkind = "impact"\nlength = 1e-3\n',
-     "resolve poorly"),
+     "resolve it poorly"),
     (["passage.duration=0.1"], FORCE.replace("5", "60"), "the force has no effect"),
     (["passage.duration=0.1"], FORCE.replace("5", "0"), "which is pinned (track.ends)"),
     (["track.dimension=space", "irregularity_right.kind=spectrum"], "",
@@ -167,7 +167,7 @@ WARNED = [
     (["under_sleeper_pad.damping=1e4"], "", "has no effect without a stiffness of the pad"),
     (["under_sleeper_pad.to=9"], "", "has no effect without a stiffness of the pad"),
     (["under_sleeper_pad.stiffness=8e7", "under_sleeper_pad.from=60.1"], "",
-     "leaves no sleeper with a pad on 60 m of track"),
+     "no sleeper has a pad: no sleeper of the track (0 to 60 m) lies"),
     (['train.vehicles=["own"]', "vehicle.own.length=15"], VEHICLE.format(COACH),
      "is less than the 20.5 m that its axles need"),
     # In t, MN/m, kN s/m, kN, mm.
@@ -223,7 +223,7 @@ IDLE = [
       "wheel_rail.flat_at": "wheel_rail.flat_at=8"}),
     ("there is no run-in", ["track.run_in=0"], ["track.run_in=6"],
      {"track.run_in_factor": "track.run_in_factor=50"}),
-    ("a rail without support, as of a bridge, has no run-in", ["track.support=none"],
+    ("a rail that is supported only at its ends has no run-in", ["track.support=none"],
      ["track.support=sleepers"],
      {"track.run_in": "track.run_in=5", "track.run_in_factor": "track.run_in_factor=50"}),
     ("the rail is rigid in shear", ["rail.theory=euler"], ["rail.theory=timoshenko"],

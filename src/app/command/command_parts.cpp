@@ -34,8 +34,8 @@ void warn_of_unused_options(const par::Comm& comm, const std::vector<std::string
     if (option != "no_signal_handler")
       print(comm,
             fmt::format("warning: the PETSc option -{} was set but never used (options of the "
-                        "ground begin with -ground_ and need an equation system: implicit steps or "
-                        "a static equilibrium)\n",
+                        "ground begin with -ground_; they are used only if an equation system is "
+                        "solved, that is, in implicit steps or for a static equilibrium)\n",
                         option));
 }
 

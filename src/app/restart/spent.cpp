@@ -58,7 +58,7 @@ std::string why_spent(std::string_view key, const model::Model& model, const Pos
   const std::size_t next = at.stage + (at.begun ? 1 : 0);  // first stage that has yet to begin
   if (key == "bed.crest" || key == "bed.slope")
     return cuts_to_come(model, at.stage, next) ? ""
-                                               : "no stage that cuts the bed to a profile is left";
+                                               : "no remaining stage cuts the bed to a profile";
   if (key.starts_with("bed."))
     return is_to_come(model, next, {model::StageKind::fill, model::StageKind::cribs})
                ? ""
@@ -68,7 +68,7 @@ std::string why_spent(std::string_view key, const model::Model& model, const Pos
                model, at.stage,
                {model::StageKind::compact, model::StageKind::shear, model::StageKind::triaxial})
                ? ""
-               : "no stage in which the platen loads the bed is left";
+               : "the platen loads the bed in no remaining stage";
   if (key.starts_with("tamping."))
     return is_to_come(model, next, {model::StageKind::tamp}) ? ""
                                                              : "no stage of kind tamp will begin";

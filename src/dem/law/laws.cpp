@@ -270,9 +270,10 @@ double stable_step(const Physics& physics, const Parameters& parameters, double 
   const double damping = largest_damping(physics);
   if (limit) {
     *limit = fmt::format(
-        "dem.safety = {:g} times sqrt(m/k), m = {:.4g} kg of the lightest stone, k = {:.4g} N/m of "
-        "the stiffest contact",
-        parameters.safety, lightest, stiffest);
+        "{:g} sqrt(m/k), where {:g} is dem.safety, m = {:.4g} kg the mass of the lightest stone "
+        "and "
+        "k = {:.4g} N/m the stiffness of the stiffest contact",
+        parameters.safety, parameters.safety, lightest, stiffest);
     if (damping > 1)
       *limit += fmt::format(
           ", divided by the largest damping ratio of the contact laws, {:.3g} (low restitution)",

@@ -170,9 +170,9 @@ void GroundParameters::declare_sides(Section& s) {
   const auto fixed = s.fixed_by(input::state::moved_ground);
   s.choice("sides", sides, {"free", "roller", "viscous", "free_field"},
            "Boundary condition of all sides; roller: held along the normal, as in a plane of "
-           "symmetry; viscous: dashpots that absorb waves; free_field: dashpots relative to "
-           "free-field columns that move with base_motion. Periodic sides are given in pairs, as "
-           "side_x_low and side_x_high.");
+           "symmetry; viscous: dashpots that absorb waves; free_field: dashpots that act on the "
+           "velocity relative to free-field columns, which base_motion excites. Periodic sides are "
+           "given in pairs, as side_x_low and side_x_high.");
   const auto one = [&](const char* key, Sides& side, const char* where) {
     s.choice(key, side,
              {"free", "roller", "viscous", "free_field", "fixed", "as_sides", "periodic"},

@@ -51,8 +51,8 @@ void declare_handover(const Model& model, input::Section& s) {
          {.reads = {"handover", "irregularity_right"}});
   s.rule(
       "sleepers.model", model.sleepers.model == track::SleeperBody::rigid,
-      "must be \"rigid\" in a deck with [handover] and two rails: tables of seat loads load both "
-      "seats of solid sleepers equally",
+      "must be \"rigid\" in a deck with [handover] and two rails: on a solid sleeper, seat loads "
+      "from a table act equally on both seats",
       {.reads = {"handover", "track", "sleepers"}});
   const auto& free = model.sleepers.free;
   s.rule(

@@ -49,7 +49,7 @@ void declare_track(const Model& model, input::Section& s) {
   const FootingParameters& footing = model.footing;
   const input::About about{.reads = {"track", "footing", "model"}};
   s.rule("track.support", track.support == track::Support::sleepers,
-         "must be \"sleepers\": the ground is below the ballast of sleepers", about);
+         "must be \"sleepers\": the ground carries the ballast springs below sleepers", about);
   const bool hangs = std::any_of(track.zones.begin(), track.zones.end(),
                                  [](const track::TrackZone& zone) { return zone.gap > 0; });
   s.rule("track.sleeper.model", !hangs || track.sleeper.model == track::SleeperModel::rigid,

@@ -161,7 +161,8 @@ void declare_pressures(const Model& model, input::Section& s) {
   const input::About about{.reads = {"pressure", "model"}};
   if (model.kind != ModelKind::ground)
     return s.rule("pressure", model.pressures.empty(),
-                  "is only for model = \"ground\": in other models bed or track load the ground",
+                  "is only for model = \"ground\": in other models, the bed or the track loads "
+                  "the ground",
                   about);
   const fem::GroundParameters& ground = model.ground;
   declare_names_of_pressures(model, s);

@@ -247,8 +247,8 @@ CouplingLimit coupling_limit(const Model& model, const Stage& stage) {
   if (limit.window <= std::min(pads, step)) return limit;
   CouplingLimit rail{.window = std::min(pads, step)};
   rail.instead = pads < step ? fmt::format(
-                                   "sleeper: mass {:.3g} kg per rail, pad of {:.3g} N/m and "
-                                   "{:.3g} N s/m",
+                                   "0.5/(sqrt(k/m) + c/m) of a sleeper on its pads, m = {:.3g} kg "
+                                   "per rail, k = {:.3g} N/m, c = {:.3g} N s/m",
                                    mass, stiffness, pad.damping)
                              : "passage.step";
   return rail;

@@ -66,8 +66,9 @@ void Stage::declare_course(input::Section& s) {
             .at_least = positive ? -input::unbounded : 0,
             .usually_to = 100},
            "Longest simulated time of the stage. passage: time of all trains together; with 0 the "
-           "stage ends when the last axle has left, and several trains with train = true need 0. "
-           "tamp: must be 0 (the times are those of [tamping]). All other kinds: above 0.");
+           "stage ends when the last axle has left; with train = true and several trains (cycles "
+           "above 1) it must be 0. tamp: must be 0 (the times are those of [tamping]). All other "
+           "kinds: above 0.");
   s.number("growth", growth, {.unit = "s", .at_least = 0, .usually_to = 10},
            "Time in which stones grow in place from a small initial size to their full size "
            "(fill); 0: stones of full size are dropped.");

@@ -176,8 +176,8 @@ void declare_load(const Model& model, const Stage& stage, const std::string& dur
                   : fmt::format("no axle passes a sleeper: the first axle moves from x = {:g} to "
                                 "{:g} m{} ({}); give more time, or 0 for the whole passage",
                                 start - p.lead, start - p.lead + p.travel,
-                                stage.cycles > 1 ? fmt::format(" in {:g} s, the time of one of {} "
-                                                               "trains",
+                                stage.cycles > 1 ? fmt::format(" in {:g} s, the duration divided "
+                                                               "by the number of trains, {}",
                                                                p.time, stage.cycles)
                                                  : "",
                                 p.where),
@@ -242,25 +242,26 @@ void declare_oddities(const Model& model, input::Section& s) {
   const auto& ground = model.ground;
   const bool moves = std::any_of(model.stages.begin(), model.stages.end(),
                                  [](const Stage& stage) { return stage.ground_moves; });
-  s.rule(
-      "ground.base_stiffness",
-      !ground.present || !moves || ground.base != fem::Base::viscous ||
-          ground.base_stiffness != 0 || !ground.base_motion.empty(),
-      "a viscous base without springs carries no static load: under any load the ground "
-      "sinks without end; give a spring stiffness above 0, a value below 0 to have the stiffness "
-      "chosen, or base = \"fixed\"",
-      {.severity = input::Severity::warning, .reads = {"ground", "stage"}});
+  s.rule("ground.base_stiffness",
+         !ground.present || !moves || ground.base != fem::Base::viscous ||
+             ground.base_stiffness != 0 || !ground.base_motion.empty(),
+         "a viscous base without springs carries no static load: under any load the ground "
+         "sinks without end; give a spring stiffness above 0, or -1 for one chosen by the program, "
+         "or base = "
+         "\"fixed\"",
+         {.severity = input::Severity::warning, .reads = {"ground", "stage"}});
   double held = 0;  // s until the ground moves, at most
   for (std::size_t i = 0; i < model.stages.size() && !model.stages[i].ground_moves; ++i)
     held += model.stages[i].duration;
-  s.rule("settle_average",
-         !ground.present || !moves || !model.start.empty() || held == 0 ||
-             3 * model.settle_average <= held,
-         fmt::format("the ground starts to move after {:g} s, less than three of these time "
-                     "constants: the averaged load would not yet equal the load of the bed; give "
-                     "less than {:.3g} s",
-                     held, held / 3),
-         {.severity = input::Severity::warning, .reads = {"settle_average", "ground", "stage"}});
+  s.rule(
+      "settle_average",
+      !ground.present || !moves || !model.start.empty() || held == 0 ||
+          3 * model.settle_average <= held,
+      fmt::format("is a time constant of which at least three must pass before the ground moves, "
+                  "which it does after {:g} s: the averaged load would not yet equal the load of "
+                  "the bed; give less than {:.3g} s",
+                  held, held / 3),
+      {.severity = input::Severity::warning, .reads = {"settle_average", "ground", "stage"}});
   // Static loads of a stage are most likely meant to remain in the following stages.
   double before = 0;
   for (std::size_t i = 0; i < model.stages.size(); ++i) {

@@ -179,7 +179,7 @@ void SolidParameters::declare(input::Section& s) {
          "then run on these rails, each with the load 2 peak / (decay spacing); otherwise loads "
          "act on the seats.");
   s.number("pad_shear", pad_shear, {.above = 0, .at_most = 1},
-           "Ratio of stiffness and damping of a pad along x and y to those along z.");
+           "Stiffness and damping of a pad along x and y, as a fraction of those along z.");
 }
 
 // b h = A, b h^3/12 = I.

@@ -120,9 +120,9 @@ void declare_zones(const Model& model, input::Section& s) {
       over += zone.covers(x, 0, track.length) || zone.covers(x, 1, track.length);
     }
     s.rule(fmt::format("track.zone[{}].from", i), over == 0 || (zone.bed == 1 && zone.gap == 0),
-           fmt::format("begins a zone that contains {} sleeper{} of the bed, which stones support: "
+           fmt::format("begins a zone that contains {} sleeper{} of the bed: {} on stones, so that "
                        "`bed` and `gap` have no effect there",
-                       over, over == 1 ? "" : "s"),
+                       over, over == 1 ? "" : "s", over == 1 ? "this one lies" : "these lie"),
            {.severity = input::Severity::warning, .reads = {"track", "sleepers", "seat", "stage"}});
   }
 }

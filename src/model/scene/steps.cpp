@@ -55,11 +55,13 @@ Steps choose_steps(const World& world, const StonesStep& stones, const Stage& st
     // Not a limit of the window: the ground divides it into as many steps as it needs.
     const double ground = world.ground->stable_step(&ground_words);
     if (ground < steps.window)
-      steps.limit += fmt::format("; ground in steps of at most {:.4g} s: {}", ground, ground_words);
+      steps.limit += fmt::format(
+          "; the ground divides each window into steps of at most {:.4g} s, limited by {}", ground,
+          ground_words);
   }
   if (coupling.window < steps.window) {
     steps.window = coupling.window;
-    steps.limit = "the coupling, " + coupling.words();
+    steps.limit = "the coupling: " + coupling.words();
   }
   if (model.time.window > 0) {
     if (model.time.window > coupling.window * (1 + rounding_of_steps))

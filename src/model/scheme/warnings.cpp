@@ -91,8 +91,9 @@ std::string warning_of_bed(const World& world, std::span<const Stage> done) {
   if (height >= least && height <= most) return {};
   return fmt::format(
       "the compacted bed has a height of {:.3g} m and a porosity of {:.2f}; with the porosity of "
-      "the deck, {:.3g}, its stones would have a height of {:.3g} m, and {:.3g} to {:.3g} m are "
-      "accepted (bed.height: {:g} m); check the stages, or change bed.porosity",
+      "the deck, {:.3g}, the same stones would form a bed {:.3g} m high; heights of the bed of "
+      "{:.3g} to {:.3g} m are accepted (bed.height: {:g} m); check the stages, or change "
+      "bed.porosity",
       height, 1 - volume / (area * height), expected.porosity, expected_height, least, most,
       expected.height);
 }
@@ -112,8 +113,9 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
   const std::int64_t deep = world.particles.core_overlaps();
   if (deep > world.particles.totals().particles)
     warnings.push_back(fmt::format(
-        "overlaps larger than the sum of both rounding radii occurred {} times (pairs times "
-        "sub-steps; limit: the number of stones, {}); increase the rounding radius of the stones "
+        "overlaps larger than the sum of both rounding radii occurred {} times (a pair is counted "
+        "again in every sub-step; limit: the number of stones, {}); increase the rounding radius "
+        "of the stones "
         "(bed.polyhedron.rounding, stone.rounding, or --rounding of their library), use stiffer "
         "contacts, or reduce speeds",
         deep, world.particles.totals().particles));

@@ -57,9 +57,10 @@ void add_forces(const TrackModel& model, double step, std::vector<CoarseStep>& t
     if (force.duration() >= needed * step * (1 - same_step)) continue;
     to.push_back({fmt::format("force[{}].{}", i, impact ? "length" : "frequency"),
                   impact ? force.length : force.frequency,
-                  fmt::format("gives {} of {:.3g} s, which steps of {:.4g} s resolve poorly (fewer "
+                  fmt::format("gives {} of {:.3g} s: steps of {:.4g} s resolve {} poorly (fewer "
                               "than {:g} steps); give a shorter passage.step",
-                              impact ? "an impact" : "periods", force.duration(), step, needed)});
+                              impact ? "an impact" : "periods", force.duration(), step,
+                              impact ? "it" : "them", needed)});
   }
 }
 

@@ -39,7 +39,7 @@ constexpr const char* rigid = "sleepers are rigid (track.sleeper.model)";
 constexpr const char* no_bed = "the rail has no continuous support (track.support)";
 constexpr const char* no_run_in = "there is no run-in (track.run_in)";
 constexpr const char* bridge =
-    "a rail without support, as of a bridge, has no run-in (track.support)";
+    "a rail that is supported only at its ends has no run-in (track.support)";
 constexpr const char* stiff = "the rail is rigid in shear (rail.theory)";
 constexpr const char* no_rail = "seat loads replace rail and train (passage.loaded_by)";
 constexpr const char* no_vehicles = "there are no vehicles (train.vehicles)";

@@ -38,8 +38,10 @@ void declare_seats(const TrackModel& model, input::Section& s) {
          "must be \"train\" in a model with a bed: there the stages define the loads", about);
   s.rule("train.vehicles", model.train.vehicles.empty(),
          "must be [] with passage.loaded_by = \"seats\": seat loads replace the train", about);
-  s.rule("force", model.passage.forces.empty(),
-         "needs a rail, which seat loads replace (passage.loaded_by = \"seats\")", about);
+  s.rule(
+      "force", model.passage.forces.empty(),
+      "needs a rail, but seat loads act in place of rail and train (passage.loaded_by = \"seats\")",
+      about);
   s.rule("track.support", model.line.track.support == track::Support::sleepers,
          "must be \"sleepers\" if seat loads are applied (passage.loaded_by)", about);
   s.rule("load.axles", model.load.is_table() || !model.load.axles.empty(),
@@ -47,8 +49,9 @@ void declare_seats(const TrackModel& model, input::Section& s) {
          "first in m, for example [0, 2.8] for a bogie",
          about);
   s.rule("track.ends", model.line.track.ends == track::RailEnds::pinned,
-         "must be \"pinned\" if seat loads are applied (passage.loaded_by): without pads only its "
-         "ends support the rail, which then does not affect the sleepers",
+         "must be \"pinned\" if seat loads are applied (passage.loaded_by): there are then no "
+         "pads, and without pinned ends nothing would support the rail, which remains in the "
+         "model without effect on the sleepers",
          about);
 }
 
@@ -122,15 +125,18 @@ void declare_force_in_time(const track::RailForce& force, const std::string& nam
   const bool impact = force.kind == track::ForceKind::impact;
   const std::string key = name + (impact ? ".length" : ".frequency");
   const double time = force.duration();
-  const std::string words =
-      fmt::format("gives {} of {:.3g} s, which steps of {:g} s (passage.step)",
-                  impact ? "an impact" : "periods", time, step);
+  const std::string words = fmt::format("gives {} of {:.3g} s: steps of {:g} s (passage.step)",
+                                        impact ? "an impact" : "periods", time, step);
+  const char* them = impact ? "it" : "them";
   const input::About about{.reads = {"force", "passage.step"}};
   constexpr double needed = 2, enough = 8;  // steps
   s.rule(key, time > needed * step,
-         words + " do not resolve (more than 2 steps are required); give a shorter step", about);
+         fmt::format("{} do not resolve {} (more than 2 steps are required); give a shorter step",
+                     words, them),
+         about);
   s.rule(key, time <= needed * step || time >= enough * step,
-         words + " resolve poorly (8 steps or more are recommended); give a shorter step",
+         fmt::format("{} resolve {} poorly (8 steps or more are recommended); give a shorter step",
+                     words, them),
          {.severity = input::Severity::warning, .reads = about.reads});
 }
 
@@ -240,8 +246,10 @@ void declare_uplift(const TrackModel& model, input::Section& s) {
          "must be false with hanging sleepers (gap of a zone): pads must connect these sleepers to "
          "the rail",
          about);
-  s.rule("pad.uplift", !by_seats(model),
-         "needs a rail, which seat loads replace (passage.loaded_by = \"seats\")", about);
+  s.rule(
+      "pad.uplift", !by_seats(model),
+      "needs a rail, but seat loads act in place of rail and train (passage.loaded_by = \"seats\")",
+      about);
 }
 
 void declare_flat(const TrackModel& model, input::Section& s) {

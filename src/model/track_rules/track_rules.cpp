@@ -112,9 +112,12 @@ void declare_under_sleeper(const track::LineParameters& line, input::Section& s)
   bool any = false;
   for (double x = 0; x < track.length + track.spacing / 2; x += track.spacing)
     any = any || pad.lie_at(x, track.length);
-  s.rule("under_sleeper_pad.from", any,
-         fmt::format("leaves no sleeper with a pad on {:g} m of track", track.length),
-         {.severity = input::Severity::warning, .reads = {"under_sleeper_pad", "track"}});
+  s.rule(
+      "under_sleeper_pad.from", any,
+      fmt::format("no sleeper has a pad: no sleeper of the track (0 to {:g} m) lies between `from` "
+                  "and `to`",
+                  track.length),
+      {.severity = input::Severity::warning, .reads = {"under_sleeper_pad", "track"}});
 }
 
 // Values of one rail that its kind does not use.

@@ -196,9 +196,11 @@ void TrackParameters::declare_sleepers(input::Section& s) {
 
 // All values are for one rail, except those of the sleeper, as usual in drawings.
 void TrackParameters::declare(input::Section& s) {
-  s.choice("support", support, {"sleepers", "continuous", "none"},
-           "Support of the rail; sleepers: pads, sleepers and ballast; continuous: a Winkler bed "
-           "with dampers; none: the ends of the rail only, as of a bridge.");
+  s.choice(
+      "support", support, {"sleepers", "continuous", "none"},
+      "Support of the rail; sleepers: pads, sleepers and ballast; continuous: a Winkler bed "
+      "with dampers; none: the rail is supported only at its ends and represents a bridge of the "
+      "span track.length.");
   s.choice("ends", ends, {"free", "pinned"},
            "Ends of the rail; pinned ends have a fixed height, equal to that of the rigid rails "
            "beyond.");
@@ -223,8 +225,8 @@ void TrackParameters::declare(input::Section& s) {
            "Length of run-in and run-out, in which rail, pads and bed become stiffer towards the "
            "rigid rails beyond; a rail without support (a bridge) has none.");
   s.number("run_in_factor", run_in_factor, {.at_least = 1, .at_most = 1e6},
-           "Ratio of stiffness and damping at the ends of the track to those between run-in and "
-           "run-out.");
+           "Factor by which stiffness and damping at the ends of the track exceed those between "
+           "run-in and run-out.");
   s.tables("zone", zones,
            "Parts of the track with other properties; factors of overlapping zones multiply.");
   s.table("sleeper", sleeper, "Sleepers as beams across the track.");

@@ -189,9 +189,10 @@ TEST(Import, GivesTheReasonOfARefusal) {
   EXPECT_EQ(reason(ply(body), MeshFormat::ply), "a facet refers to a vertex that does not exist");
   body = letter();
   body.vertices[0].x() = 1e300;
-  EXPECT_EQ(reason(obj(body)),
-            "a coordinate is 1e+300 m, which is not a number or larger than 1000 km; is the length "
-            "unit right?");
+  EXPECT_EQ(
+      reason(obj(body)),
+      "a coordinate is 1e+300 m; coordinates must be numbers of at most 1000 km in magnitude; "
+      "is the length unit right?");
   EXPECT_NE(reason(""), "accepted");
   EXPECT_NE(reason("solid body\n", MeshFormat::stl), "accepted");
   const std::string whole = binary_stl(letter());

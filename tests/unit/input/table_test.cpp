@@ -53,17 +53,17 @@ TEST(Table, ReportsAllProblemsAtOnce) {
             (Sentences{"table_test.csv:1: there is no column load; rename column laod if it "
                        "contains these values",
                        "table_test.csv:3: has 1 columns, but the line with the names of the "
-                       "columns has 2; give each row as many",
+                       "columns has 2; give each row 2 columns",
                        "table_test.csv:7: has 3 columns, but the line with the names of the "
-                       "columns has 2; give each row as many"}));
+                       "columns has 2; give each row 2 columns"}));
   EXPECT_EQ(csv.problems({"laod"}),
             (Sentences{"table_test.csv:3: has 1 columns, but the line with the names of the "
-                       "columns has 2; give each row as many",
+                       "columns has 2; give each row 2 columns",
                        "table_test.csv:4: laod = \"x\" must be a number",
                        "table_test.csv:5: laod = \"\" must be a number",
                        "table_test.csv:6: laod = \"nan\" must be a number",
                        "table_test.csv:7: has 3 columns, but the line with the names of the "
-                       "columns has 2; give each row as many"}));
+                       "columns has 2; give each row 2 columns"}));
   EXPECT_EQ(Csv("").problems({"a"}), Sentences{"table_test.csv: is empty"});
   EXPECT_THROW(read_table("no_such.csv", {"a"}), InputError);
 }
