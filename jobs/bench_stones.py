@@ -8,15 +8,15 @@ TRACKBED: the program. FOLDER: where settled cells are prepared (kept for the ne
 results are written. A cell is little larger than the smallest periodic bed of these stones, a sixth
 of the deck's bed. It is poured and settled to rest under each law; the measured beds are copies of
 it side by side (bed.cell), on two ranks twice as many as on one, so that each rank has the same
-number of stones. The time of the preparation is printed. `contacts` counts contacts of pieces,
-`touched` the stones (and the floor) that a stone touches, `list time` is the fraction of the DEM
-time that neighbour lists take, `relative to one rank` the speed per core divided by that on one
-rank. All cases alternate, RUNS times (3), and the best run of each counts, because other work on
-the machine can only slow it down. The processor time shows what a busy machine hides in the wall
-time. Both programs are timed over the whole loop: trackbed by the wall time of the last stage, with
-coupling and history output, LAMMPS by its loop time. LAMMPS (Debian's) moves the spheres of
-inputs/bench/spheres.toml (bench_spheres.py), and the same clumps with fix rigid/small and the same
-law between spheres; it is left out where there is no `lmp`.
+number of stones. The time of the preparation is printed. `bodies touched` counts the stones (and
+the floor) that a stone touches, `neighbour lists` is the fraction of the DEM time that they take,
+`rate relative to one rank` the speed per core divided by that on one rank. All cases alternate,
+RUNS times (3), and the best run of each counts, because other work on the machine can only slow it
+down. The processor time shows what a busy machine hides in the wall time. Both programs are timed
+over the whole loop: trackbed by the wall time of the last stage, with coupling and history output,
+LAMMPS by its loop time. LAMMPS (Debian's) moves the spheres of inputs/bench/spheres.toml
+(bench_spheres.py), and the same clumps with fix rigid/small and the same law between spheres; it is
+left out where there is no `lmp`.
 """
 import json
 import shutil

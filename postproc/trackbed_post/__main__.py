@@ -71,8 +71,7 @@ def draw_geometry(given):
     """longitudinal level in the bands D1, D2, D3 and twist, of files or of runs of a track"""
     runs = [one for one in given.sources if one.is_dir()]
     folder = write.Folder(given.output, write.origin_of(runs) if runs else "", given.format)
-    geometry.draw_into(given.sources, folder, given.twist_base, given.window,
-                       given.speed)
+    geometry.draw_into(given.sources, folder, given.twist_base, given.window, given.speed)
     print_folders([folder])
 
 

@@ -1,6 +1,6 @@
 // Decompositions of small dense matrices. Wherever Eigen's templates for one of them are expanded,
-// the compiler needs several seconds; here it is done once. None of them is called per particle,
-// contact or element and step.
+// the compiler needs several seconds; here it is done once. They allocate: of the loops over time
+// only implicit plastic steps (each yielding element) and passages (each iteration) call them.
 #pragma once
 
 #include <Eigen/Core>
