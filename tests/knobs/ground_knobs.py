@@ -7,4 +7,5 @@ KNOBS = {
     "footing.length": ("footing.length=1.2", []),
     "footing.y": ("footing.y=0.8", []),
     "footing.rails": ("footing.rails=0.5", []),
+    "track.zone.[].footprint": ("track.zone=[{from=4.7,to=6.1,footprint=0.8}]", []),
 }

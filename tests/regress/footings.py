@@ -21,6 +21,8 @@ REFUSED = {
         "footing.width = 0.7: puts footprints from x = -0.05 to 3.65 m, beyond the ground "
         "(ground.x: 0 to 3.6 m); half the width must be at most 0.3 m, the distance from the "
         "centre of the first or last sleeper to the end of the ground (see also footing.first)",
+    "track.zone=[{from=4.1,to=4.3,footprint=8}]":
+        "footing.first = 0.9: the first footprint begins at x = -1.1 m",
     "footing.width=2": "footing.width = 2: puts footprints from x = -0.1 to 4.9 m",
     "footing.first=0.2":
         "footing.first = 0.2: the first footprint begins at x = -0.05 m, beyond the ground",

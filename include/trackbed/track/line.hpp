@@ -61,6 +61,9 @@ struct UnderSleeperPadParameters {
 struct TrackZone {
   double from = 0, to = 0;         // m
   double rail = 1, bed = 1;        // factors of E I, k G A and mass; of bed or ballast
+  double pad = 1, sleeper = 1;     // factors of rail pads; of mass and roll inertia of sleepers
+  double under_sleeper_pad = 1;    // factor of under-sleeper pads
+  double footprint = 1;            // factor of the width of footprints on a ground
   double gap = 0;                  // m, between sleepers and ballast of the unloaded track
   ZoneSide side = ZoneSide::both;  // of a track with two rails
   // Whether from <= x < to, or x is the end of the track of `length` m and of the zone.
@@ -101,6 +104,8 @@ struct TrackParameters {
   std::vector<TrackZone> zones;
   // m, between the rails on which wheels roll; 0: one rail.
   double wheel_gauge() const { return dimension == Dimension::space ? gauge : 0; }
+  // Product of this factor of all zones at x, m.
+  double factor(double TrackZone::*of, double x, std::size_t side) const;
   // m, lateral distance of the ballast springs from the middle of the track; one rail: 0.
   double bearing_arm() const;
   void declare(input::Section& s);
@@ -125,8 +130,9 @@ struct LineParameters {
   // are not in the line, which ends with the pads or the ballast above.
   std::size_t first_moved = 0, moved = 0;
   MovedPart moves = MovedPart::sleepers;
-  // Factor of the pads of each moved sleeper: the pad forces are this matrix times those from the
-  // compressions; empty: 1. On one rail only the first entry is used.
+  // Factor of the pads of each moved sleeper: the pad forces are this matrix times those that
+  // `pad` gives for the compressions; empty: the factors of the zones. On one rail only the first
+  // entry is used.
   std::vector<Matrix2> moved_pads = {};
   bool pads = true;  // false: seat loads act on the sleepers, and the rail is unloaded
 };

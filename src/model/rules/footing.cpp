@@ -96,11 +96,23 @@ void declare_two_rails(const Model& model, input::Section& s) {
       {.reads = {"track", "footing", "dimension"}});
 }
 
+// m, of the footprint of sleeper i on the ground, along x.
+double width_of(const Model& model, std::int64_t i) {
+  const track::TrackParameters& track = model.track.line.track;
+  const double x = static_cast<double>(model.footing.before + i) * track.spacing;
+  return model.footing.width * track.factor(&track::TrackZone::footprint, x, 0);
+}
+
 // m, extent of all footprints along x.
 std::array<double, 2> extent_of(const Model& model) {
   const FootingParameters& footing = model.footing;
-  const double span = static_cast<double>(footing.count - 1) * model.track.line.track.spacing;
-  return {footing.first - footing.width / 2, footing.first + span + footing.width / 2};
+  std::array<double, 2> extent{footing.first, footing.first};
+  for (std::int64_t i = 0; i < footing.count; ++i) {
+    const double x = footing.first + static_cast<double>(i) * model.track.line.track.spacing;
+    extent = {std::min(extent[0], x - width_of(model, i) / 2),
+              std::max(extent[1], x + width_of(model, i) / 2)};
+  }
+  return extent;
 }
 
 // Footprints may overlap, since ballast spreads loads, but most often the width is wrong.
@@ -217,7 +229,8 @@ std::vector<couple::Rectangle> footprints_of(const Model& model) {
   std::vector<couple::Rectangle> footprints;
   for (std::int64_t i = 0; i < footing.count; ++i) {
     const double x = footing.first + static_cast<double>(i) * model.track.line.track.spacing;
-    couple::Rectangle print{.x = {x - footing.width / 2, x + footing.width / 2},
+    const double half = width_of(model, i) / 2;
+    couple::Rectangle print{.x = {x - half, x + half},
                             .y = {middle - across / 2, middle + across / 2}};
     print.tilt = 12 * model.track.line.track.bearing_arm() / (across * across);
     footprints.push_back(print);

@@ -210,6 +210,18 @@ double rounded_up(double value) {
   return std::ceil(value / unit) * unit;
 }
 
+// Largest factor that zones give to the pads of the bed's sleepers.
+double stiffest_pad_factor(const Model& model) {
+  const track::TrackParameters& track = model.track.line.track;
+  double largest = 0;
+  for (std::int64_t k = 0; k < model.sleepers.count; ++k)
+    for (const std::size_t side : {0, 1}) {
+      const double x = static_cast<double>(model.seat.before + k) * track.spacing;
+      largest = std::max(largest, track.factor(&track::TrackZone::pad, x, side));
+    }
+  return largest;
+}
+
 }  // namespace
 
 // A force -k u(t - W) on a node of mass m and displacement u of frequency w works like a damper of
@@ -239,17 +251,19 @@ CouplingLimit coupling_limit(const Model& model, const Stage& stage) {
                ? limit
                : CouplingLimit{.window = model.track.passage.step, .instead = "passage.step"};
   const auto& pad = model.track.line.pad;
-  const double mass = mass_on_pad(model);
+  const double mass = mass_on_pad(model), stiffest = stiffest_pad_factor(model);
   const double stiffness =
-      pad.bilinear_at > 0 ? std::max(pad.stiffness, pad.bilinear_stiffness) : pad.stiffness;
-  const double pads = 0.5 / (std::sqrt(stiffness / mass) + pad.damping / mass);
+      stiffest *
+      (pad.bilinear_at > 0 ? std::max(pad.stiffness, pad.bilinear_stiffness) : pad.stiffness);
+  const double damping = stiffest * pad.damping;
+  const double pads = 0.5 / (std::sqrt(stiffness / mass) + damping / mass);
   const double step = model.track.passage.step;
   if (limit.window <= std::min(pads, step)) return limit;
   CouplingLimit rail{.window = std::min(pads, step)};
   rail.instead = pads < step ? fmt::format(
                                    "0.5/(sqrt(k/m) + c/m) of a sleeper on its pads, m = {:.3g} kg "
                                    "per rail, k = {:.3g} N/m, c = {:.3g} N s/m",
-                                   mass, stiffness, pad.damping)
+                                   mass, stiffness, damping)
                              : "passage.step";
   return rail;
 }

@@ -109,7 +109,7 @@ void declare_place(const Model& model, input::Section& s) {
          {.reads = {"train", "stage"}});
 }
 
-// Below the bed's sleepers there are stones: zones affect only the rail there.
+// The bed's sleepers have their own mass and lie on stones: zones affect only rail and pads there.
 void declare_zones(const Model& model, input::Section& s) {
   const track::TrackParameters& track = model.track.line.track;
   for (std::size_t i = 0; i < track.zones.size(); ++i) {
@@ -119,10 +119,12 @@ void declare_zones(const Model& model, input::Section& s) {
       const double x = static_cast<double>(model.seat.before + k) * track.spacing;
       over += zone.covers(x, 0, track.length) || zone.covers(x, 1, track.length);
     }
-    s.rule(fmt::format("track.zone[{}].from", i), over == 0 || (zone.bed == 1 && zone.gap == 0),
-           fmt::format("begins a zone that contains {} sleeper{} of the bed: {} on stones, so that "
-                       "`bed` and `gap` have no effect there",
-                       over, over == 1 ? "" : "s", over == 1 ? "this one lies" : "these lie"),
+    s.rule(fmt::format("track.zone[{}].from", i),
+           over == 0 || (zone.bed == 1 && zone.gap == 0 && zone.sleeper == 1),
+           fmt::format("begins a zone that contains {} sleeper{} of the bed: {} on stones and {} a "
+                       "mass of {} own, so that `bed`, `gap` and `sleeper` have no effect there",
+                       over, over == 1 ? "" : "s", over == 1 ? "this one lies" : "these lie",
+                       over == 1 ? "has" : "have", over == 1 ? "its" : "their"),
            {.severity = input::Severity::warning, .reads = {"track", "sleepers", "seat", "stage"}});
   }
 }

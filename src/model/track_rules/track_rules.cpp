@@ -25,6 +25,33 @@ bool holds_place(const track::TrackZone& zone, double length, double first, doub
   return false;
 }
 
+// What a factor of zones needs: without it the factor has no effect.
+struct ZoneNeeds {
+  const char* name;
+  double track::TrackZone::*factor;
+  bool met;
+  const char* lacking;
+};
+
+void declare_idle_factors(const TrackModel& model, std::size_t i, input::Section& s) {
+  using Zone = track::TrackZone;
+  const bool sleepers = model.line.track.support == track::Support::sleepers;
+  const bool pads = sleepers && model.passage.loaded_by != track::LoadedBy::seats;
+  const char* none = "no sleepers (track.support)";
+  for (const ZoneNeeds& of :
+       {ZoneNeeds{"pad", &Zone::pad, pads, sleepers ? "no pads with seat loads" : none},
+        {"sleeper", &Zone::sleeper, sleepers, none},
+        {"under_sleeper_pad", &Zone::under_sleeper_pad, model.line.under_sleeper.stiffness > 0,
+         "no under-sleeper pads (under_sleeper_pad.stiffness)"},
+        {"footprint", &Zone::footprint, model.on_ground,
+         "no footprints: these are for model = \"track_on_ground\""}})
+    s.rule(fmt::format("track.zone[{}].{}", i, of.name),
+           of.met || model.line.track.zones[i].*of.factor == 1,
+           fmt::format("has no effect: there are {}", of.lacking),
+           {.severity = input::Severity::warning,
+            .reads = {"track", "under_sleeper_pad", "passage.loaded_by", "model"}});
+}
+
 void declare_zone(const track::TrackParameters& track, std::size_t i, input::Section& s) {
   const track::TrackZone& zone = track.zones[i];
   const input::About about{.severity = input::Severity::warning, .reads = {"track"}};
@@ -35,8 +62,10 @@ void declare_zone(const track::TrackParameters& track, std::size_t i, input::Sec
                      track.length),
          about);
   if (!on) return;
-  s.rule(from, zone.rail != 1 || zone.bed != 1 || zone.gap > 0,
-         "begins a zone without effect: `rail` and `bed` are 1, and `gap` is 0", about);
+  const bool of_sleepers =
+      zone.pad != 1 || zone.sleeper != 1 || zone.under_sleeper_pad != 1 || zone.footprint != 1;
+  s.rule(from, zone.rail != 1 || zone.bed != 1 || zone.gap > 0 || of_sleepers,
+         "begins a zone without effect: all its factors are 1, and `gap` is 0", about);
   const double element = track.spacing / static_cast<double>(track.elements);
   const bool elements = holds_place(zone, track.length, element / 2, element);
   s.rule(from, zone.rail == 1 || elements,
@@ -46,10 +75,10 @@ void declare_zone(const track::TrackParameters& track, std::size_t i, input::Sec
   const bool bears = track.support == track::Support::sleepers
                          ? holds_place(zone, track.length, 0, track.spacing)
                          : track.support == track::Support::continuous && elements;
-  s.rule(from, (zone.bed == 1 && zone.gap == 0) || bears,
-         "begins a zone without a sleeper or another support of the rail: `bed` and `gap` have no "
-         "effect",
-         about);
+  s.rule(
+      from, (zone.bed == 1 && zone.gap == 0 && !of_sleepers) || bears,
+      "begins a zone without a sleeper or another support of the rail: only `rail` has an effect",
+      about);
 }
 
 // With seat loads there are no pads: sleepers need support from below.
@@ -241,7 +270,10 @@ void declare_ballast_mass(const TrackModel& model, std::int64_t first, std::int6
 
 void declare_track_rules(const TrackModel& model, input::Section& s) {
   const track::TrackParameters& track = model.line.track;
-  for (std::size_t i = 0; i < track.zones.size(); ++i) declare_zone(track, i, s);
+  for (std::size_t i = 0; i < track.zones.size(); ++i) {
+    declare_zone(track, i, s);
+    declare_idle_factors(model, i, s);
+  }
   if (!model.on_bed) declare_support(track, s);
   declare_seat_zones(model, s);
   if (!model.on_bed) declare_ballast_mass(model, 0, 0, s);

@@ -118,12 +118,9 @@ double Line::Impl::run_in(double x) const {
   return std::pow(track.run_in_factor, exponent);
 }
 
-// Factor of bed or ballast at x: factors of overlapping zones multiply.
+// Of bed or ballast at x.
 double Line::Impl::bed_factor(double x, std::size_t side) const {
-  double factor = run_in(x);
-  for (const TrackZone& zone : parameters.track.zones)
-    if (zone.covers(x, side, parameters.track.length)) factor *= zone.bed;
-  return factor;
+  return run_in(x) * zone_factor(&TrackZone::bed, x, side);
 }
 
 // The largest gap of overlapping zones.
@@ -135,11 +132,7 @@ double Line::Impl::gap_below(double x, std::size_t side) const {
 }
 
 double Line::Impl::rail_factor(std::size_t e, std::size_t side) const {
-  const double middle = (static_cast<double>(e) + 0.5) * element_length;
-  double factor = 1;
-  for (const TrackZone& zone : parameters.track.zones)
-    if (zone.covers(middle, side, parameters.track.length)) factor *= zone.rail;
-  return factor;
+  return zone_factor(&TrackZone::rail, (static_cast<double>(e) + 0.5) * element_length, side);
 }
 
 // An element belongs to the zone that contains its middle. Constructed at each call, which is
@@ -194,10 +187,17 @@ void Line::Impl::connect(const Kelvin& element) {
     }
 }
 
-// Factor for sleepers whose seats move within a step due to the pad forces (on_bed.cpp).
-Matrix2 Line::Impl::moved_pads(std::size_t index) const {
-  if (!is_moved(index) || parameters.moved_pads.empty()) return Matrix2::Identity();
-  return parameters.moved_pads.at(index - parameters.first_moved);
+// Factors of the zones, or those of sleepers whose seats move within a step due to the pad forces
+// (on_bed.cpp).
+Matrix2 Line::Impl::pad_factors(std::size_t index) const {
+  if (is_moved(index) && !parameters.moved_pads.empty())
+    return parameters.moved_pads.at(index - parameters.first_moved);
+  Matrix2 factors = Matrix2::Identity();
+  for (std::size_t side = 0; side < sides; ++side) {
+    const auto own = static_cast<Eigen::Index>(side);
+    factors(own, own) = zone_factor(&TrackZone::pad, sleepers[index].x, side);
+  }
+  return factors;
 }
 
 // N, static force of a pad, relative to which all forces of the line are measured; unless a value
@@ -213,14 +213,14 @@ double Line::Impl::preload(std::size_t index, std::size_t side) const {
 }
 
 // Rail node - pad - sleeper. In the run-in the compression at which bilinear pads become stiffer is
-// divided by the factor of the stiffness.
+// divided by the run-in's factor of the stiffness; zones do not change it.
 void Line::Impl::add_pad(std::size_t index, std::size_t side) {
   Sleeper& sleeper = sleepers[index];
   const PadParameters& pad = parameters.pad;
   const std::size_t at = index * static_cast<std::size_t>(parameters.track.elements);
   const std::int32_t rail = nodes[side][at][0], below = sleeper.unknown[side];
   const auto own = static_cast<Eigen::Index>(side);
-  const double stiffer = run_in(sleeper.x) * moved_pads(index)(own, own);
+  const double stiffer = run_in(sleeper.x) * pad_factors(index)(own, own);
   sleeper.pad[side] = between(rail, below, pad.stiffness * stiffer, pad.damping * stiffer);
   connect(sleeper.pad[side]);
   if (pad.uplift) {
@@ -230,8 +230,8 @@ void Line::Impl::add_pad(std::size_t index, std::size_t side) {
   }
   if (pad.bilinear_at == 0) return;
   sleeper.additional[side] = (pad.bilinear_stiffness - pad.stiffness) * stiffer;
-  stops.push_back(
-      stop_of(between(rail, below, sleeper.additional[side], 0), pad.bilinear_at / stiffer));
+  stops.push_back(stop_of(between(rail, below, sleeper.additional[side], 0),
+                          pad.bilinear_at / run_in(sleeper.x)));
   if (is_moved(index))
     stops.back().seat = static_cast<std::int32_t>((index - parameters.first_moved) * sides + side);
 }
@@ -239,7 +239,7 @@ void Line::Impl::add_pad(std::size_t index, std::size_t side) {
 // Coupling of both pads: the force of one moves the seat of the other.
 void Line::Impl::join_pads(std::size_t index) {
   Sleeper& sleeper = sleepers[index];
-  const double across = run_in(sleeper.x) * moved_pads(index)(0, 1);
+  const double across = run_in(sleeper.x) * pad_factors(index)(0, 1);
   sleeper.across_stiffness = parameters.pad.stiffness * across;
   sleeper.across_damping = parameters.pad.damping * across;
   for (std::size_t side = 0; side < 2; ++side) {
@@ -255,12 +255,13 @@ void Line::Impl::join_pads(std::size_t index) {
 void Line::Impl::add_sleeper_mass(const Sleeper& sleeper) {
   const TrackParameters& track = parameters.track;
   const auto [left, right] = sleeper.unknown;
-  if (sides == 1)
-    return add(mass, left, left, track.sleeper_mass / static_cast<double>(track.rails));
+  const double heavier = zone_factor(&TrackZone::sleeper, sleeper.x);
+  const double whole = heavier * track.sleeper_mass;
+  if (sides == 1) return add(mass, left, left, whole / static_cast<double>(track.rails));
   const double roll = track.sleeper_inertia > 0
-                          ? track.sleeper_inertia
-                          : track.sleeper_mass * track.sleeper_length * track.sleeper_length / 12;
-  const double bounce = track.sleeper_mass / 4, turn = roll / (track.gauge * track.gauge);
+                          ? heavier * track.sleeper_inertia
+                          : whole * track.sleeper_length * track.sleeper_length / 12;
+  const double bounce = whole / 4, turn = roll / (track.gauge * track.gauge);
   for (const std::int32_t one : {left, right})
     for (const std::int32_t other : {left, right})
       add(mass, one, other, one == other ? bounce + turn : bounce - turn);
@@ -299,13 +300,14 @@ Kelvin Line::Impl::bed_below(const Sleeper& sleeper, std::size_t side) const {
 
 // Two Kelvin elements in series need an internal variable, which is the height between them: the
 // massless unknown of the pad's lower face. Distributed along a sleeper they are in series at each
-// point, so that the equivalent springs of the ballast hold for both. Factors of zones apply to the
-// ballast only. Above a gap the pad is attached to the sleeper and unloaded.
+// point, so that the equivalent springs of the ballast hold for both. The factor `bed` of zones
+// applies to the ballast only. Above a gap the pad is attached to the sleeper and unloaded.
 void Line::Impl::add_pad_below(std::size_t index, std::size_t side) {
   const Sleeper& sleeper = sleepers[index];
   if (sleeper.pad_below[side] < 0) return;
   const UnderSleeperPadParameters& pad = parameters.under_sleeper;
-  const double stiffer = run_in(sleeper.x);
+  const double stiffer =
+      run_in(sleeper.x) * zone_factor(&TrackZone::under_sleeper_pad, sleeper.x, side);
   connect(under(sleeper, side,
                 between(sleeper.unknown[side], sleeper.pad_below[side], pad.stiffness * stiffer,
                         pad.damping * stiffer)));

@@ -68,8 +68,11 @@ struct Line::Impl {
   std::array<double, 2> bed_across(const Sleeper& sleeper, std::size_t e) const;
   double node_x(std::size_t n) const { return static_cast<double>(n) * element_length; }
   double run_in(double x) const;
-  Matrix2 moved_pads(std::size_t index) const;
+  Matrix2 pad_factors(std::size_t index) const;
   double preload(std::size_t index, std::size_t side) const;
+  double zone_factor(double TrackZone::*of, double x, std::size_t side = 0) const {
+    return parameters.track.factor(of, x, side);
+  }
   double rail_factor(std::size_t e, std::size_t side) const;
   double gap_below(double x, std::size_t side) const;
   double bed_factor(double x, std::size_t side) const;

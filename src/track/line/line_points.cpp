@@ -41,6 +41,14 @@ bool TrackZone::covers(double x, std::size_t of_side, double length) const {
          (side == ZoneSide::both || (side == ZoneSide::left) == (of_side == 0));
 }
 
+// Factors of overlapping zones multiply.
+double TrackParameters::factor(double TrackZone::*of, double x, std::size_t side) const {
+  double factor = 1;
+  for (const TrackZone& zone : zones)
+    if (zone.covers(x, side, length)) factor *= zone.*of;
+  return factor;
+}
+
 // Limits as for zones.
 bool UnderSleeperPadParameters::lie_at(double x, double length) const {
   return stiffness > 0 && TrackZone{.from = from, .to = to > 0 ? to : length}.covers(x, 0, length);

@@ -100,6 +100,9 @@ void Line::Impl::number_across(Sleeper& sleeper) {
 
 BeamElement Line::Impl::across_element(const Sleeper& sleeper, std::size_t e) const {
   Beam beam = sleeper_beam(parameters.track);
+  const double heavier = zone_factor(&TrackZone::sleeper, sleeper.x);
+  beam.mass *= heavier;
+  beam.rotary_inertia *= heavier;
   beam.bending_stiffness *= run_in(sleeper.x);
   beam.shear_stiffness *= run_in(sleeper.x);
   return {beam, mesh->length(e)};

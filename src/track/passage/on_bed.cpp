@@ -12,7 +12,7 @@
 // Sleepers with an implicit step need the force at its end. They are linear: with w*, w'* of the
 // seats without that force, Y = `mobility` (m/s per N, of a seat) and h the step (s),
 //   w' = w'* - Y r F,  w = w* - h/2 Y r F,   F = f [k (w* - u) + c (w'* - u')],
-//   f = 1/(1 + r Y (c + k h/2)),   r rails of a seat,
+//   f = 1/(1/z + r Y (c + k h/2)),   r rails of a seat, z the zones' factor of the pad,
 // which is a softer pad on w*, w'*. Rail, pads and sleepers thus have one common implicit step
 // without a delay of forces.
 //
@@ -40,8 +40,15 @@ LineParameters on_moved_sleepers(const TrainOnBedParameters& p) {
   line.moved = p.sleepers;
   const PadParameters& pad = p.line.pad;
   const double follows = rails_of_seat(p) * (pad.damping + pad.stiffness * p.step / 2);
-  for (const Matrix2& mobility : p.mobility)
-    line.moved_pads.emplace_back((Matrix2::Identity() + follows * mobility).inverse());
+  for (std::size_t i = 0; i < p.mobility.size(); ++i) {
+    Matrix2 softer = follows * p.mobility[i];
+    const double x = static_cast<double>(line.first_moved + i) * p.line.track.spacing;
+    for (const std::size_t side : {0, 1}) {
+      const auto own = static_cast<Eigen::Index>(side);
+      softer(own, own) += 1 / p.line.track.factor(&TrackZone::pad, x, side);
+    }
+    line.moved_pads.emplace_back(softer.inverse());
+  }
   return line;
 }
 

@@ -117,6 +117,16 @@ void TrackZone::declare(input::Section& s) {
   s.number("bed", bed, {.at_least = 0, .usually_to = 1000},
            "Factor on stiffness and damping of the support: the continuous (Winkler) bed, or the "
            "ballast springs below sleepers.");
+  s.number("pad", pad, {.above = 0, .at_most = 1e6, .usually_to = 100},
+           "Factor on stiffness and damping of the rail pads: soft or stiff fastenings.");
+  s.number("sleeper", sleeper, {.above = 0, .at_most = 1e6, .usually_to = 20},
+           "Factor on mass and roll inertia of the sleepers on springs.");
+  s.number("under_sleeper_pad", under_sleeper_pad, {.above = 0, .at_most = 1e6, .usually_to = 100},
+           "Factor on stiffness and damping of the under-sleeper pads.");
+  s.number(
+      "footprint", footprint, {.above = 0, .at_most = 1000, .usually_to = 4},
+      "Factor on the width (along the track) of the footprints of sleepers on a ground: wider "
+      "or narrower sleepers. The ballast spring does not change with it; for that give `bed`.");
   s.number("gap", gap, {.unit = "m", .at_least = 0, .at_most = 100, .usually_to = 0.02},
            "Gap between sleepers and ballast of the unloaded track (hanging sleepers).");
   s.choice("side", side, {"both", "left", "right"},

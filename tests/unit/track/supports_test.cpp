@@ -56,6 +56,47 @@ TEST(Zones, OverlappingZones) {
   }
 }
 
+// A zone over the whole track equals other values of pads, sleepers and under-sleeper pads
+// everywhere; a zone over a part of it does not.
+TEST(Zones, FactorsEqualOtherValues) {
+  constexpr double z = 1.7;
+  for (const Dimension dimension : {Dimension::plane, Dimension::space})
+    for (const SleeperModel model : {SleeperModel::rigid, SleeperModel::beam}) {
+      LineParameters p = with({{.from = 0, .to = 24, .pad = z, .sleeper = z}});
+      p.track.dimension = dimension;
+      p.track.sleeper.model = model;
+      p.pad.bilinear_at = 1e-4, p.pad.bilinear_stiffness = 500e6;
+      if (model == SleeperModel::rigid) {
+        p.track.sleeper_inertia = 150;
+        p.under_sleeper = {.stiffness = 80e6, .damping = 20e3};
+        p.track.zones[0].under_sleeper_pad = z;
+      }
+      LineParameters other = p, part = p;
+      part.track.zones[0].to = 12;
+      other.track.zones.clear();
+      for (double* value :
+           {&other.pad.stiffness, &other.pad.damping, &other.pad.bilinear_stiffness,
+            &other.track.sleeper_mass, &other.track.sleeper_inertia,
+            &other.under_sleeper.stiffness, &other.under_sleeper.damping})
+        *value *= z;
+      const auto difference = [](const Line& one, const Line& two, Sparse LinearSystem::*of) {
+        return Sparse(one.system().*of - two.system().*of).norm() / (two.system().*of).norm();
+      };
+      for (Sparse LinearSystem::*of :
+           {&LinearSystem::mass, &LinearSystem::damping, &LinearSystem::stiffness}) {
+        EXPECT_LT(difference(Line(p), Line(other), of), 1e-14);
+        EXPECT_GT(difference(Line(part), Line(other), of), 1e-3);
+      }
+      const Line zoned(p), plain(other);
+      ASSERT_EQ(zoned.stops().size(), plain.stops().size());
+      for (std::size_t i = 0; i < zoned.stops().size(); ++i) {
+        EXPECT_EQ(zoned.stops()[i].gap, plain.stops()[i].gap);
+        EXPECT_NEAR(zoned.stops()[i].stiffness, plain.stops()[i].stiffness,
+                    1e-14 * plain.stops()[i].stiffness);
+      }
+    }
+}
+
 // With a ballast mass as without.
 TEST(Zones, ScaleTheSpringBelowTheBallastMass) {
   LineParameters p = with({{.from = 9.5, .to = 14.5, .bed = 3}});

@@ -218,6 +218,18 @@ TEST(TrainOnSolids, ConvergesToTheTrackAlone) {
                   {0.5, "guards the factor beside the order: 0.18 N, three times"});
 }
 
+// Softer pads by a zone over the whole track equal softer pads everywhere, to rounding.
+TEST(TrainOnSolids, AZoneOfSofterPadsEqualsSofterPads) {
+  Case zoned{.dt = 4e-4}, everywhere = zoned, none = zoned;
+  zoned.line.track.zones = {{.from = 0, .to = 24, .pad = 0.5}};
+  everywhere.line.pad.stiffness *= 0.5;
+  everywhere.line.pad.damping *= 0.5;
+  const Histories one = on_solids(zoned), other = on_solids(everywhere);
+  verified::below("wheel force, zone of half the pad stiffness against half of it everywhere", "N",
+                  distance(one.wheel, other.wheel), {1e-3, "contacts converge to 1e-12 m: 1 mN"});
+  EXPECT_GT(distance(one.wheel, on_solids(none).wheel), 10);
+}
+
 // Whole sleepers with two seats carry both rails; their middle does not bend if each seat is at the
 // middle of the spring forces of its half, and with 1e4 E the remaining deformation is negligible.
 TEST(TrainOnSolids, AWholeTrackEqualsTwoHalves) {
