@@ -229,13 +229,15 @@ class LoopDeck:
         return {name: value for name, value in deck.items() if value}
 
     def zones(self):
-        """Zones of the deck; over the bed without factors of springs, which the load test gives."""
+        """Zones of the deck; over the bed only what acts there, as the load test gives the springs
+        and the bed the masses."""
         at, spacing = self.seats_on_track(), self.sleepers["spacing"]
         low, high = at[0] - 0.45 * spacing, at[-1] + 0.45 * spacing
         zones = []
         for zone in self.section("track").get("zone", []):
             begin, end = zone["from"], zone["to"]
-            rail = {key: value for key, value in zone.items() if key not in ("bed", "gap")}
+            rail = {key: value for key, value in zone.items()
+                    if key in ("from", "to", "rail", "pad", "side")}
             for start, stop, kept in ((begin, min(end, low), zone),
                                       (max(begin, low), min(end, high), rail),
                                       (max(begin, high), end, zone)):

@@ -55,7 +55,11 @@ REFUSED = {
 REPORTED = {"sleepers.free=[\"z\"]": "does not contain rx: the sleepers of the bed",
         "track.gauge=0.45 pad.stiffness=120e6": "of a sleeper on its pads, m = 12.3 kg per rail",
         "track.gauge=0.45 pad.stiffness=120e6 pad.damping=25e3 sleepers.free=[\"z\"]":
-            "of a sleeper on its pads, m = 27.5 kg per rail"}
+            "of a sleeper on its pads, m = 27.5 kg per rail",
+        'track.gauge=0.45 pad.stiffness=120e6 '
+        'track.zone=[{from=0,to=60,pad=2,side="right"}]':
+            "of a sleeper on its pads (the stiffest ones, by track.zone), m = 12.3 kg per rail, "
+            "k = 2.4e+08 N/m"}
 
 
 def check_sentences(program, deck):

@@ -21,8 +21,9 @@ REFUSED = {
         "footing.width = 0.7: puts footprints from x = -0.05 to 3.65 m, beyond the ground "
         "(ground.x: 0 to 3.6 m); half the width must be at most 0.3 m, the distance from the "
         "centre of the first or last sleeper to the end of the ground (see also footing.first)",
-    "track.zone=[{from=4.1,to=4.3,footprint=8}]":
-        "footing.first = 0.9: the first footprint begins at x = -1.1 m",
+    "track.zone=[{from=4.7,to=4.9,footprint=8}]":
+        "track.zone: `footprint` puts that of the sleeper at x = 1.5 m of the ground from -0.5 to "
+        "3.5 m, beyond the ground (0 to 4.8 m)",
     "footing.width=2": "footing.width = 2: puts footprints from x = -0.1 to 4.9 m",
     "footing.first=0.2":
         "footing.first = 0.2: the first footprint begins at x = -0.05 m, beyond the ground",
@@ -41,6 +42,9 @@ def main():
             raise SystemExit(f"{change} must be refused with {words}:\n{ran.stdout}{ran.stderr}")
     for change in SOUND:
         program.done(1, "check", deck, *change.split())
+    wider = program.done(1, "check", deck, "track.zone=[{from=5.3,to=5.5,footprint=2}]").stdout
+    if "overlap, first at x = 1.5 m of the ground" not in wider:
+        raise SystemExit(f"overlapping footprints must be reported: {wider}")
 
 
 if __name__ == "__main__":

@@ -202,6 +202,8 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           f"{TRAIN} seat.rails=0.2": "check the number of rails",
           f"{TRAIN} track.zone=[{{from=0,to=60,gap=2e-3}}]":
               "track.zone[0].from = 0: begins a zone that contains 2 sleepers of the bed: these",
+          f"{TRAIN} track.zone=[{{from=12.1,to=13,sleeper=2}}]":
+              "track.zone[0].from = 12.1: begins a zone that contains 1 sleeper of the bed: this",
           f"{TRAIN} track.zone=[{{from=12.1,to=13,bed=0.5}}]":
               "track.zone[0].from = 12.1: begins a zone that contains 1 sleeper of the bed: this",
           f"{TRAIN} ballast.mass=500 track.zone=[{{from=12.1,to=13,bed=0.0}}]":

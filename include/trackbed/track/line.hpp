@@ -104,6 +104,8 @@ struct TrackParameters {
   std::vector<TrackZone> zones;
   // m, between the rails on which wheels roll; 0: one rail.
   double wheel_gauge() const { return dimension == Dimension::space ? gauge : 0; }
+  // m, of sleeper n from the start of the track.
+  double sleeper_x(std::size_t n) const;
   // Product of this factor of all zones at x, m.
   double factor(double TrackZone::*of, double x, std::size_t side) const;
   // m, lateral distance of the ballast springs from the middle of the track; one rail: 0.

@@ -96,23 +96,47 @@ void declare_two_rails(const Model& model, input::Section& s) {
       {.reads = {"track", "footing", "dimension"}});
 }
 
-// m, of the footprint of sleeper i on the ground, along x.
-double width_of(const Model& model, std::int64_t i) {
+// m, x of sleeper i on the ground and the width of its footprint.
+std::array<double, 2> place_of(const Model& model, std::int64_t i) {
   const track::TrackParameters& track = model.track.line.track;
-  const double x = static_cast<double>(model.footing.before + i) * track.spacing;
-  return model.footing.width * track.factor(&track::TrackZone::footprint, x, 0);
+  const double along = track.sleeper_x(static_cast<std::size_t>(model.footing.before + i));
+  return {model.footing.first + static_cast<double>(i) * track.spacing,
+          model.footing.width * track.factor(&track::TrackZone::footprint, along, 0)};
 }
 
-// m, extent of all footprints along x.
+// m, extent of all footprints along x without factors of zones.
 std::array<double, 2> extent_of(const Model& model) {
   const FootingParameters& footing = model.footing;
-  std::array<double, 2> extent{footing.first, footing.first};
-  for (std::int64_t i = 0; i < footing.count; ++i) {
-    const double x = footing.first + static_cast<double>(i) * model.track.line.track.spacing;
-    extent = {std::min(extent[0], x - width_of(model, i) / 2),
-              std::max(extent[1], x + width_of(model, i) / 2)};
+  const double span = static_cast<double>(footing.count - 1) * model.track.line.track.spacing;
+  return {footing.first - footing.width / 2, footing.first + span + footing.width / 2};
+}
+
+// Footprints that are wider by zones: the first that reaches beyond the ground, and the first that
+// overlaps the next one.
+void declare_wider(const Model& model, const input::About& about, input::Section& s) {
+  const std::vector<double>& ground = model.ground.x;
+  const double width = model.footing.width, spacing = model.track.line.track.spacing;
+  for (std::int64_t i = 0; i < model.footing.count; ++i) {
+    const auto [x, here] = place_of(model, i);
+    const bool inside =
+        x - here / 2 >= ground[0] - same_length && x + here / 2 <= ground[1] + same_length;
+    if (here != width && !inside)
+      return s.rule("track.zone", false,
+                    fmt::format("`footprint` puts that of the sleeper at x = {:g} m of the ground "
+                                "from {:g} to {:g} m, beyond the ground ({:g} to {:g} m)",
+                                x, x - here / 2, x + here / 2, ground[0], ground[1]),
+                    about);
   }
-  return extent;
+  for (std::int64_t i = 0; i + 1 < model.footing.count; ++i) {
+    const auto [x, here] = place_of(model, i);
+    const double next = place_of(model, i + 1)[1];
+    if ((here != width || next != width) && (here + next) / 2 > spacing + same_length)
+      return s.rule("track.zone", false,
+                    fmt::format("`footprint` lets the footprints of neighbouring sleepers overlap, "
+                                "first at x = {:g} m of the ground",
+                                x),
+                    {.severity = input::Severity::warning, .reads = about.reads});
+  }
 }
 
 // Footprints may overlap, since ballast spreads loads, but most often the width is wrong.
@@ -173,6 +197,7 @@ void declare_place(const Model& model, input::Section& s) {
   const input::About about{.reads = {"ground", "footing", "track", "dimension"}};
   if (ground.x.size() != 2 || ground.y.size() != 2) return;  // reported by another rule
   declare_along(model, about, s);
+  declare_wider(model, about, s);
   s.rule("dimension", !is_plane(model) || !ground.of_tetrahedra(),
          "must be \"space\": a ground of tetrahedra is three-dimensional (ground.mesh, "
          "ground.section)",
@@ -228,8 +253,8 @@ std::vector<couple::Rectangle> footprints_of(const Model& model) {
   const double middle = is_plane(model) ? 0 : footing.y;
   std::vector<couple::Rectangle> footprints;
   for (std::int64_t i = 0; i < footing.count; ++i) {
-    const double x = footing.first + static_cast<double>(i) * model.track.line.track.spacing;
-    const double half = width_of(model, i) / 2;
+    const auto [x, wide] = place_of(model, i);
+    const double half = wide / 2;
     couple::Rectangle print{.x = {x - half, x + half},
                             .y = {middle - across / 2, middle + across / 2}};
     print.tilt = 12 * model.track.line.track.bearing_arm() / (across * across);

@@ -216,7 +216,7 @@ double stiffest_pad_factor(const Model& model) {
   double largest = 0;
   for (std::int64_t k = 0; k < model.sleepers.count; ++k)
     for (const std::size_t side : {0, 1}) {
-      const double x = static_cast<double>(model.seat.before + k) * track.spacing;
+      const double x = track.sleeper_x(static_cast<std::size_t>(model.seat.before + k));
       largest = std::max(largest, track.factor(&track::TrackZone::pad, x, side));
     }
   return largest;
@@ -261,9 +261,10 @@ CouplingLimit coupling_limit(const Model& model, const Stage& stage) {
   if (limit.window <= std::min(pads, step)) return limit;
   CouplingLimit rail{.window = std::min(pads, step)};
   rail.instead = pads < step ? fmt::format(
-                                   "0.5/(sqrt(k/m) + c/m) of a sleeper on its pads, m = {:.3g} kg "
-                                   "per rail, k = {:.3g} N/m, c = {:.3g} N s/m",
-                                   mass, stiffness, damping)
+                                   "0.5/(sqrt(k/m) + c/m) of a sleeper on its pads{}, m = {:.3g} "
+                                   "kg per rail, k = {:.3g} N/m, c = {:.3g} N s/m",
+                                   stiffest == 1 ? "" : " (the stiffest ones, by track.zone)", mass,
+                                   stiffness, damping)
                              : "passage.step";
   return rail;
 }

@@ -116,7 +116,7 @@ void declare_zones(const Model& model, input::Section& s) {
     const track::TrackZone& zone = track.zones[i];
     std::int64_t over = 0;
     for (std::int64_t k = 0; k < model.sleepers.count; ++k) {
-      const double x = static_cast<double>(model.seat.before + k) * track.spacing;
+      const double x = track.sleeper_x(static_cast<std::size_t>(model.seat.before + k));
       over += zone.covers(x, 0, track.length) || zone.covers(x, 1, track.length);
     }
     s.rule(fmt::format("track.zone[{}].from", i),

@@ -33,21 +33,30 @@ struct ZoneNeeds {
   const char* lacking;
 };
 
+bool holds_pad_below(const track::LineParameters& line, const track::TrackZone& zone) {
+  for (std::size_t n = 0; line.track.sleeper_x(n) < line.track.length + line.track.spacing / 2; ++n)
+    if (const double x = line.track.sleeper_x(n);
+        line.under_sleeper.lie_at(x, line.track.length) &&
+        (zone.covers(x, 0, line.track.length) || zone.covers(x, 1, line.track.length)))
+      return true;
+  return false;
+}
+
 void declare_idle_factors(const TrackModel& model, std::size_t i, input::Section& s) {
   using Zone = track::TrackZone;
+  const Zone& zone = model.line.track.zones[i];
   const bool sleepers = model.line.track.support == track::Support::sleepers;
   const bool pads = sleepers && model.passage.loaded_by != track::LoadedBy::seats;
-  const char* none = "no sleepers (track.support)";
+  const char* none = "there are no sleepers (track.support)";
   for (const ZoneNeeds& of :
-       {ZoneNeeds{"pad", &Zone::pad, pads, sleepers ? "no pads with seat loads" : none},
+       {ZoneNeeds{"pad", &Zone::pad, pads, sleepers ? "there are no pads with seat loads" : none},
         {"sleeper", &Zone::sleeper, sleepers, none},
-        {"under_sleeper_pad", &Zone::under_sleeper_pad, model.line.under_sleeper.stiffness > 0,
-         "no under-sleeper pads (under_sleeper_pad.stiffness)"},
+        {"under_sleeper_pad", &Zone::under_sleeper_pad, holds_pad_below(model.line, zone),
+         "no sleeper of the zone has an under-sleeper pad (under_sleeper_pad.stiffness, from, to)"},
         {"footprint", &Zone::footprint, model.on_ground,
-         "no footprints: these are for model = \"track_on_ground\""}})
-    s.rule(fmt::format("track.zone[{}].{}", i, of.name),
-           of.met || model.line.track.zones[i].*of.factor == 1,
-           fmt::format("has no effect: there are {}", of.lacking),
+         "there are no footprints: these are for model = \"track_on_ground\""}})
+    s.rule(fmt::format("track.zone[{}].{}", i, of.name), of.met || zone.*of.factor == 1,
+           fmt::format("has no effect: {}", of.lacking),
            {.severity = input::Severity::warning,
             .reads = {"track", "under_sleeper_pad", "passage.loaded_by", "model"}});
 }

@@ -41,6 +41,11 @@ bool TrackZone::covers(double x, std::size_t of_side, double length) const {
          (side == ZoneSide::both || (side == ZoneSide::left) == (of_side == 0));
 }
 
+// As the rail's nodes: the length may differ from whole spacings by rounding of the deck.
+double TrackParameters::sleeper_x(std::size_t n) const {
+  return static_cast<double>(n) * (length / std::round(length / spacing));
+}
+
 // Factors of overlapping zones multiply.
 double TrackParameters::factor(double TrackZone::*of, double x, std::size_t side) const {
   double factor = 1;

@@ -42,7 +42,7 @@ LineParameters on_moved_sleepers(const TrainOnBedParameters& p) {
   const double follows = rails_of_seat(p) * (pad.damping + pad.stiffness * p.step / 2);
   for (std::size_t i = 0; i < p.mobility.size(); ++i) {
     Matrix2 softer = follows * p.mobility[i];
-    const double x = static_cast<double>(line.first_moved + i) * p.line.track.spacing;
+    const double x = p.line.track.sleeper_x(line.first_moved + i);
     for (const std::size_t side : {0, 1}) {
       const auto own = static_cast<Eigen::Index>(side);
       softer(own, own) += 1 / p.line.track.factor(&TrackZone::pad, x, side);

@@ -118,13 +118,14 @@ void TrackZone::declare(input::Section& s) {
            "Factor on stiffness and damping of the support: the continuous (Winkler) bed, or the "
            "ballast springs below sleepers.");
   s.number("pad", pad, {.above = 0, .at_most = 1e6, .usually_to = 100},
-           "Factor on stiffness and damping of the rail pads: soft or stiff fastenings.");
+           "Factor on stiffness (also bilinear_stiffness) and damping of the rail pads: soft or "
+           "stiff fastenings; bilinear_at and preload do not change.");
   s.number("sleeper", sleeper, {.above = 0, .at_most = 1e6, .usually_to = 20},
-           "Factor on mass and roll inertia of the sleepers on springs.");
+           "Factor on mass and roll inertia of whole sleepers on springs.");
   s.number("under_sleeper_pad", under_sleeper_pad, {.above = 0, .at_most = 1e6, .usually_to = 100},
            "Factor on stiffness and damping of the under-sleeper pads.");
   s.number(
-      "footprint", footprint, {.above = 0, .at_most = 1000, .usually_to = 4},
+      "footprint", footprint, {.at_least = 0.01, .at_most = 1000, .usually_to = 4},
       "Factor on the width (along the track) of the footprints of sleepers on a ground: wider "
       "or narrower sleepers. The ballast spring does not change with it; for that give `bed`.");
   s.number("gap", gap, {.unit = "m", .at_least = 0, .at_most = 100, .usually_to = 0.02},
@@ -149,10 +150,16 @@ void TrackParameters::declare_space(input::Section& s) {
            "Roll inertia of a whole rigid sleeper (space); 0: that of a uniform bar.");
   s.rule("rails", dimension == Dimension::plane || rails == 2,
          "must be 2 with dimension = \"space\"", {.reads = {"dimension", "rails"}});
-  for (std::size_t i = 0; i < zones.size(); ++i)
-    s.rule(fmt::format("zone[{}].side", i),
-           zones[i].side == ZoneSide::both || dimension == Dimension::space,
+  for (std::size_t i = 0; i < zones.size(); ++i) {
+    const std::string side = fmt::format("zone[{}].side", i);
+    s.rule(side, zones[i].side == ZoneSide::both || dimension == Dimension::space,
            "needs dimension = \"space\"", {.reads = {"dimension", "zone"}});
+    s.rule(side,
+           zones[i].side == ZoneSide::both || (zones[i].sleeper == 1 && zones[i].footprint == 1),
+           "must be \"both\" with `sleeper` or `footprint`, which are of whole sleepers: give them "
+           "in a zone of their own",
+           {.reads = {"zone"}});
+  }
 }
 
 // With these values the first bending frequency of a free sleeper of 2.6 m and 300 kg is 121 Hz;

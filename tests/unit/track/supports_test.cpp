@@ -61,23 +61,24 @@ TEST(Zones, OverlappingZones) {
 TEST(Zones, FactorsEqualOtherValues) {
   constexpr double z = 1.7;
   for (const Dimension dimension : {Dimension::plane, Dimension::space})
-    for (const SleeperModel model : {SleeperModel::rigid, SleeperModel::beam}) {
+    for (const auto& [model, inertia] : {std::pair{SleeperModel::rigid, 150.0},
+                                         {SleeperModel::rigid, 0.0},
+                                         {SleeperModel::beam, 0.0}}) {
       LineParameters p = with({{.from = 0, .to = 24, .pad = z, .sleeper = z}});
       p.track.dimension = dimension;
       p.track.sleeper.model = model;
       p.pad.bilinear_at = 1e-4, p.pad.bilinear_stiffness = 500e6;
       if (model == SleeperModel::rigid) {
-        p.track.sleeper_inertia = 150;
+        p.track.sleeper_inertia = dimension == Dimension::space ? inertia : 0;
         p.under_sleeper = {.stiffness = 80e6, .damping = 20e3};
         p.track.zones[0].under_sleeper_pad = z;
       }
       LineParameters other = p, part = p;
       part.track.zones[0].to = 12;
       other.track.zones.clear();
-      for (double* value :
-           {&other.pad.stiffness, &other.pad.damping, &other.pad.bilinear_stiffness,
-            &other.track.sleeper_mass, &other.track.sleeper_inertia,
-            &other.under_sleeper.stiffness, &other.under_sleeper.damping})
+      for (double* value : {&other.pad.stiffness, &other.pad.damping, &other.pad.bilinear_stiffness,
+                            &other.track.sleeper_mass, &other.track.sleeper_inertia,
+                            &other.under_sleeper.stiffness, &other.under_sleeper.damping})
         *value *= z;
       const auto difference = [](const Line& one, const Line& two, Sparse LinearSystem::*of) {
         return Sparse(one.system().*of - two.system().*of).norm() / (two.system().*of).norm();
@@ -88,6 +89,11 @@ TEST(Zones, FactorsEqualOtherValues) {
         EXPECT_GT(difference(Line(part), Line(other), of), 1e-3);
       }
       const Line zoned(p), plain(other);
+      Vector compressed = Vector::Zero(zoned.system().mass.rows());
+      const Vector rest = compressed;
+      compressed[zoned.sleeper_unknown(20)] = 2 * p.pad.bilinear_at;
+      const double force = plain.seat_force(20, compressed, rest);
+      EXPECT_NEAR(zoned.seat_force(20, compressed, rest), force, 1e-12 * force);
       ASSERT_EQ(zoned.stops().size(), plain.stops().size());
       for (std::size_t i = 0; i < zoned.stops().size(); ++i) {
         EXPECT_EQ(zoned.stops()[i].gap, plain.stops()[i].gap);

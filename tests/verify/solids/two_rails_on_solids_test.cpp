@@ -156,8 +156,10 @@ struct OnSolids {
     const double compression =
                      bodies.trapezoidal(c.dt, seat).z() - at.deflection(rail.displacement),
                  rate = bodies.velocity(seat).z() - at.deflection(rail.velocity);
+    const double zone =
+        c.line.track.factor(&track::TrackZone::pad, train.line().sleeper_x(before + i), side);
     return train.seat_force(i, side) -
-           (c.line.pad.stiffness * compression + c.line.pad.damping * rate);
+           zone * (c.line.pad.stiffness * compression + c.line.pad.damping * rate);
   }
 
   Case c;
@@ -274,8 +276,10 @@ TEST(TwoRailsOnSolids, StiffSleepersRollLikeThoseOfTheTrackAlone) {
 }
 
 // Largest residual of the pad law over all pads and windows, over the largest force.
-double off_law(bool joined) {
-  OnSolids model({.dt = 1e-3, .right = -2e-3, .joined = joined});
+double off_law(bool joined, const std::vector<track::TrackZone>& zones = {}) {
+  Case given{.dt = 1e-3, .right = -2e-3, .joined = joined};
+  given.line.track.zones = zones;
+  OnSolids model(given);
   double off = 0, force = 0;
   for (int n = 0; n < std::lround(duration / model.c.dt); ++n) {
     model.window();
@@ -294,6 +298,11 @@ TEST(TwoRailsOnSolids, PadForcesAreThoseAtTheEndOfTheWindow) {
   verified::below(
       "residual of the pad law, windows of 1 ms", "-", off_law(true),
       {4e-14, "rounding of 1 mm and 1 m/s times spring and dashpot, 1e-14 of the force"});
+  const double middle = static_cast<double>(before + count / 2) * 0.6;
+  verified::below(
+      "the same, pads of the left rail half as stiff over half of the bed", "-",
+      off_law(true, {{.from = 0, .to = middle, .pad = 0.5, .side = track::ZoneSide::left}}),
+      {4e-14, "as above"});
   verified::above("residual of the pad law without mutual deflection of seats", "-", off_law(false),
                   {1e-2, "separates: without it forces are wrong by percents"});
 }
