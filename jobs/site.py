@@ -25,6 +25,7 @@ CHAPTERS = {
     "First steps": ("tutorial", "gallery", "cookbook"),
     "User guide": ("running", "track", "bed", "stones", "ground", "solid_track", "shapes",
                    "laboratory", "postproc"),
+    "Studies": ("studies/netirail/README",),
     "Reference": ("input", "checkpoint", "glossary", "verification", "theory"),
     "Development": ("architecture",),
 }
@@ -105,6 +106,8 @@ def write_documents(documents):
         (documents / document).write_text(adapted(source.read_text(encoding="utf-8"), document),
                                   encoding="utf-8")
     shutil.copytree(DOCS / "images", documents / "images")
+    shutil.copytree(DOCS / "studies", documents / "studies", dirs_exist_ok=True,
+                    ignore=shutil.ignore_patterns("*.md"))
     shutil.copy(DOCS / "input.schema.json", documents)
     listed = sorted(path for path in (DOCS / "decisions").glob("*.md"))
     (documents / "decisions/index.md").write_text(

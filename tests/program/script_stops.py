@@ -149,19 +149,39 @@ def check_shell(program, source, folder):
 
 def check_alone(program, source, folder):
     """A run without mpirun."""
-    place = folder / "masses"
-    command = [sys.executable, source / "jobs/sleeper_mass.py", program, place, "--masses", "1"]
-    result = place / "original_1.0"
+    place = folder / "heaps"
+    command = [sys.executable, source / "jobs/strength.py", program, place, "heap", "--rows",
+               "deck", "--seeds", "1"]
+    result = place / "deck_1"
     stopped(command, folder, [signal.SIGTERM], listen(program, 1, result))
     if not last_checkpoint(result):
         raise SystemExit(f"{result} has no checkpoint: {list(result.glob('*'))}")
+
+
+def check_study(program, source, folder):
+    """A study is continued where it was stopped."""
+    place = folder / "study"
+    command = [sys.executable, source / "jobs/study.py", program, "netirail", "short", place]
+    result = place / "space_layers"
+    begun = listen(program, 2, result)
+    steps = []
+    for _ in range(2):
+        stopped(command, folder, [signal.SIGTERM], begun)
+        checkpoint = last_checkpoint(result)
+        if not checkpoint or not (result / checkpoint.strip()).is_file():
+            raise SystemExit(f"{result} has no checkpoint: {list(result.glob('*'))}")
+        steps.append(int(re.search(r"\d+", checkpoint)[0]))
+    # Begun again, the second run would have taken about as many steps as the first one.
+    if steps[1] <= steps[0] or len(list(result.glob("checkpoint_*.h5"))) < 2:
+        raise SystemExit(f"{result} was stopped at {steps}, so it was not resumed")
 
 
 def main():
     program, source, folder = sys.argv[1], *map(pathlib.Path, sys.argv[2:4])
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    run_checks((check_shell, check_early, check_loop, check_alone), program, source, folder)
+    run_checks((check_shell, check_early, check_loop, check_alone, check_study), program, source,
+               folder)
 
 
 if __name__ == "__main__":

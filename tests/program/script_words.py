@@ -19,7 +19,7 @@ def refused(folder, words, command, ranks="2"):
     if ran.returncode != 2 or len(ran.stderr.splitlines()) != 1 or words not in ran.stderr:
         raise SystemExit(f"{command} must print {words} and end with 2, not {ran.returncode}:\n"
                          f"{ran.stdout}{ran.stderr}")
-    if (folder / "results").exists():
+    if (folder / "results").exists() or (folder / "study").exists():
         raise SystemExit(f"{command} must be refused before it runs anything")
 
 
@@ -43,7 +43,7 @@ def check_places(program, source, folder):
                          ("/proc/results", "No such file or directory")):
         words = f"{place} cannot be created as a folder ({words})"
         refused(folder, words, [loop, program, deck, place])
-        refused(folder, words, [source / "jobs/sleeper_mass.py", program, place])
+        refused(folder, words, [source / "jobs/study.py", program, "netirail", "short", place])
 
 
 def check_program(program, source, folder):
@@ -54,7 +54,12 @@ def check_program(program, source, folder):
         refused(folder, f"handover.load (--load) = {load} must be a finite number above 0",
                 [loop, "./here", deck, "results", "--load", load])
     refused(folder, "there: No such file", [loop, "./there", deck, "results"])
-    refused(folder, "there: No such file", [source / "jobs/sleeper_mass.py", "./there", "masses"])
+    refused(folder, '"netirial" is no study; these are: netirail',
+            [source / "jobs/study.py", "./there", "netirial", "short", "study"])
+    refused(folder, "numbers.csv: No such file",
+            [source / "jobs/study.py", "--document", "netirail", "study"])
+    refused(folder, "there: No such file",
+            [source / "jobs/study.py", "./there", "netirail", "short", "study"])
     strength = [source / "jobs/strength.py", "./there", "strength", "heap"]
     refused(folder, "there: No such file", strength)
     refused(folder, "--rows none: must be one of deck, ", [*strength, "--rows", "none"])

@@ -1,0 +1,1 @@
+"""The published studies that jobs/study.py repeats, one module each."""

@@ -1,0 +1,184 @@
+#!/usr/bin/env python3
+"""Repeats a published study and compares it with the publication, target by target.
+
+    study.py PROGRAM NAME short|full FOLDER    runs, then numbers, figures and document in FOLDER
+    study.py --document NAME FOLDER            the document again, from numbers.csv and lines.csv
+
+Finished runs in FOLDER are kept, a stopped run is resumed; a run of another program, deck or list
+of changes, or after another such run, is replaced. The exit code is 1 if a main target has the
+wrong sign, otherwise that of trackbed.
+"""
+import argparse
+import hashlib
+import importlib
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import time
+
+import launch
+from studies.study import Lines, Numbers, read, targets_table
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+STUDIES = ("netirail",)
+WRONG_SIGN = 1
+HEAD = """# {title}
+<!-- made by jobs/study.py from numbers.csv -->
+{source}
+
+`{command}` repeats it: {runs} runs, {minutes:.0f} minutes of wall time on {cores}.
+Numbers are those of [numbers.csv](numbers.csv) ({version}).
+
+## Targets
+{criterion}
+
+{targets}"""
+
+
+def state_of(place):
+    """finished, stopped (it can be resumed) or new."""
+    try:
+        if json.loads((place / "summary.json").read_text(encoding="utf-8"))["finished"]:
+            return "finished"
+    except (OSError, ValueError, KeyError):
+        pass
+    return "stopped" if (place / "latest").is_file() else "new"
+
+
+class Key:
+    """What the results of a Run depend on, as text: program, deck, changes, runs it starts from."""
+
+    def __init__(self, program, runs, folder):
+        self.program = hashlib.sha256(pathlib.Path(program).read_bytes()).hexdigest()
+        self.runs = {run.name: run for run in runs}
+        self.folder = folder.resolve()
+
+    def changes(self, run):
+        return [word.replace("{folder}", str(self.folder)) for word in run.words]
+
+    def of(self, run):
+        before = sorted({name for word in run.words
+                         for name in re.findall(r"\{folder\}/(\w+)", word)})
+        deck = (ROOT / "inputs" / run.deck).read_text(encoding="utf-8")
+        return "\n".join([self.program, *run.words, deck,
+                          *(self.of(self.runs[name]) for name in before)])
+
+
+def do(program, key, run, folder):
+    """Runs, resumes or keeps a Run."""
+    place, kept = folder / run.name, folder / f"{run.name}.key"
+    same = kept.is_file() and kept.read_text(encoding="utf-8") == key.of(run)
+    state = state_of(place) if same else "new"
+    if state == "finished":
+        print(f"{run.name}: kept", flush=True)
+        return
+    command = ["resume", place]
+    if state == "new":
+        for old in (kept, place / "summary.json", place / "latest"):
+            old.unlink(missing_ok=True)  # or a run that is refused would leave old results
+        kept.write_text(key.of(run), encoding="utf-8")
+        command = ["run", ROOT / "inputs" / run.deck, *key.changes(run), "--force", "-o", place]
+    begin = time.monotonic()
+    ran = launch.run(launch.on_ranks(run.ranks, program, *command),
+                     "the same command continues the study", stdout=subprocess.PIPE,
+                     stderr=subprocess.PIPE, text=True)
+    if ran.returncode:
+        launch.fail(ran, run.name)
+    print(f"{run.name}: {time.monotonic() - begin:.1f} s", flush=True)
+
+
+def version_of(program):
+    """First two lines of trackbed --version."""
+    try:
+        lines = subprocess.run([program, "--version"], capture_output=True, text=True,
+                               check=True).stdout.splitlines()
+        return f"{lines[0]}, {lines[1].partition(';')[0]}"
+    except OSError as error:
+        launch.refuse(f"{error.filename}: {error.strerror}")
+    except (subprocess.CalledProcessError, IndexError):
+        launch.refuse(f"{program} does not state a version: it is not trackbed")
+
+
+def document_of(name, numbers):
+    """The document as Markdown."""
+    study, text = study_of(name), importlib.import_module(f"studies.{name}_document")
+    times = [value for (_, quantity), (value, _) in numbers.rows.items()
+             if quantity == "wall_time"]
+    head = HEAD.format(title=text.TITLE, source=text.SOURCE, criterion=text.CRITERION,
+                       command=numbers.about["command"], runs=len(times), minutes=sum(times) / 60,
+                       cores=numbers.about["machine"], version=numbers.about["version"],
+                       targets=targets_table(study.targets(numbers)))
+    return head + text.document(numbers)
+
+
+def write_document(name, folder):
+    study_of(name)
+    try:
+        numbers, lines = Numbers.read(folder / "numbers.csv"), Lines.read(folder / "lines.csv")
+    except OSError as error:
+        launch.refuse(f"{error.filename}: {error.strerror}")
+    (folder / "README.md").write_text(document_of(name, numbers), encoding="utf-8")
+    importlib.import_module(f"studies.{name}_document").figures(lines, folder)
+
+
+def study_of(name):
+    if name not in STUDIES:
+        launch.refuse(f'"{name}" is no study; these are: {", ".join(STUDIES)}')
+    return importlib.import_module(f"studies.{name}")
+
+
+def machine():
+    """Processor and number of cores."""
+    names = [line.partition(":")[2].strip()
+             for line in pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+             if line.startswith("model name")]
+    return f"{len(names)} cores of {names[0]}" if names else "an unknown processor"
+
+
+def repeat(program, name, form, folder):
+    """Runs a study and writes numbers, figures and document; the targets with a wrong sign."""
+    study, version = study_of(name), version_of(program)
+    launch.make_folder(folder)
+    if not os.access(folder, os.W_OK):
+        launch.refuse(f"{folder}: permission denied")
+    runs = study.runs(form, launch.requested_ranks())
+    key = Key(program, runs, folder)
+    for run in runs:
+        do(program, key, run, folder)
+    numbers, lines = Numbers({"version": version, "machine": machine(),
+                              "command": f"jobs/study.sh {name} {form}"}), Lines()
+    try:
+        study.measure(form, folder, numbers, lines)
+    except (read.Unreadable, OSError) as error:
+        launch.refuse(str(error))
+    (folder / "numbers.csv").write_text(numbers.text(), encoding="utf-8")
+    (folder / "lines.csv").write_text(lines.text(), encoding="utf-8")
+    write_document(name, folder)
+    targets = study.targets(numbers)
+    print(targets_table(targets), end="")
+    print(f"document: {folder / 'README.md'}")
+    return [target.what for target in targets if target.kind != "soft" and target.sign is False]
+
+
+def main():
+    if sys.argv[1:2] == ["--document"] and len(sys.argv) == 4:
+        write_document(sys.argv[2], pathlib.Path(sys.argv[3]))
+        return 0
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0],
+                                     epilog="--document NAME FOLDER makes the document again.")
+    parser.add_argument("program", type=launch.program)
+    parser.add_argument("name", help=", ".join(STUDIES))
+    parser.add_argument("form", choices=("short", "full"))
+    parser.add_argument("folder", type=pathlib.Path)
+    given = parser.parse_args()
+    wrong = repeat(given.program, given.name, given.form, given.folder)
+    for what in wrong:
+        print(f"wrong sign: {what}", file=sys.stderr)
+    return WRONG_SIGN if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
