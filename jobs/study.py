@@ -20,9 +20,8 @@ import sys
 import time
 
 import launch
-from studies.study import Lines, Numbers, read, targets_table
+from studies.study import INPUTS, Lines, Numbers, read, targets_table
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 STUDIES = ("netirail",)
 WRONG_SIGN = 1
 HEAD = """# {title}
@@ -62,7 +61,7 @@ class Key:
     def of(self, run):
         before = sorted({name for word in run.words
                          for name in re.findall(r"\{folder\}/(\w+)", word)})
-        deck = (ROOT / "inputs" / run.deck).read_text(encoding="utf-8")
+        deck = (INPUTS / run.deck).read_text(encoding="utf-8")
         return "\n".join([self.program, *run.words, deck,
                           *(self.of(self.runs[name]) for name in before)])
 
@@ -80,7 +79,7 @@ def do(program, key, run, folder):
         for old in (kept, place / "summary.json", place / "latest"):
             old.unlink(missing_ok=True)  # or a run that is refused would leave old results
         kept.write_text(key.of(run), encoding="utf-8")
-        command = ["run", ROOT / "inputs" / run.deck, *key.changes(run), "--force", "-o", place]
+        command = ["run", INPUTS / run.deck, *key.changes(run), "--force", "-o", place]
     begin = time.monotonic()
     ran = launch.run(launch.on_ranks(run.ranks, program, *command),
                      "the same command continues the study", stdout=subprocess.PIPE,
@@ -121,7 +120,7 @@ def write_document(name, folder):
     except OSError as error:
         launch.refuse(f"{error.filename}: {error.strerror}")
     (folder / "README.md").write_text(document_of(name, numbers), encoding="utf-8")
-    importlib.import_module(f"studies.{name}_document").figures(lines, folder)
+    importlib.import_module(f"studies.{name}_document").figures(numbers, lines, folder)
 
 
 def study_of(name):

@@ -5,11 +5,12 @@ The ground is modelled twice: in space (inputs/track/netirail.toml) and in the f
 own model, a plane ground of the width of its layers (inputs/track/netirail_2d.toml).
 """
 import math
+import tomllib
 
 import h5py
 import numpy as np
 
-from .study import Run, Target, as_file, summary
+from .study import INPUTS, Run, Target, as_file, summary
 
 from trackbed_post import transition  # noqa: I001 (found by .study)
 
@@ -17,18 +18,30 @@ SPACE, PLANE = "track/netirail.toml", "track/netirail_2d.toml"
 MIRROR = 83.4  # m, x of the track plus that of its mirror image
 BRIDGE_ENDS, BACKFILL = 17.7, 6.0  # m, x of the track and of the ground where the bridge ends
 NEAR, FAR = "14.7 m", "41 m"  # distances of the points from the bridge
-SLEEPER = 315  # kg
+with open(INPUTS / PLANE, "rb") as _file:
+    DECK = tomllib.load(_file)
+LAYERS, BLOCKS = ({one["name"]: one for one in DECK["ground"][kind]} for kind in ("layer", "block"))
+SLEEPER, SPEED = DECK["track"]["sleeper_mass"], DECK["train"]["speed"]  # kg, m/s
+WHEELBASE = 2.7  # m
 MASSES = (0.5, 1, 2, 3)
 BESIDE = (-4.5, 36)  # m, distances from the bridge at which measures are judged
-PARTS = ((20, "ugm", 1030e6, 1935, 0.2e-3), (10, "cbm", 10e9, 2200, 0.02e-3))  # reach m
-LAYERS = ((0, 0.3, "sub_ballast", 200e6, 1935, 0.4e-3), (0.3, 0.6, "capping", 3020e6, 1935, 0.1e-3),
-          (0.6, 9, "embankment", 80e6, 2040, 2.9e-3))  # m, m, name, Pa, kg/m3, s
-DEPTH = 9.0
+WEDGE = ("ugm", "cbm")  # blocks, the farther one first
+TOP = -0.6  # m, z of the top of the wedge
+DEPTH = sum(layer["thickness"] for layer in LAYERS.values())  # m, of the ground
+MATERIAL = ("young", "density", "rayleigh_stiffness")
 BASE = ('train.vehicles=["alfa_pendular","alfa_pendular"]', "passage.duration=1.9",
         "output.history_interval=5e-4")
-NO_WEDGE = ("ground.block.ugm.present=false", "ground.block.cbm.present=false")
-FILL = tuple(f"ground.layer.{layer}.{word}" for layer in ("sub_ballast", "capping")
-             for word in ("young=80e6", "density=2040", "rayleigh_stiffness=2.9e-3"))
+NO_WEDGE = tuple(f"ground.block.{name}.present=false" for name in WEDGE)
+
+
+def fill(stiffer=1):
+    """Embankment fill in sub-ballast and capping layer; moduli and densities `stiffer` times."""
+    factors = dict(zip(MATERIAL, (stiffer, stiffer, 1)))
+    return tuple(f"ground.layer.{layer}.{key}={factors[key] * LAYERS['embankment'][key]:g}"
+                 for layer in ("sub_ballast", "capping") for key in MATERIAL)
+
+
+FILL = fill()
 EMBANKMENT = (*FILL, *NO_WEDGE)
 WEDGES = {  # of other shapes, which the report shows in a drawing only
     "wedge of 16 m": ("ground.block.ugm.outline=[6,-0.6,22,-0.6,6,-9]",
@@ -52,16 +65,21 @@ def behind(begin, end, words):
     return f"from={BRIDGE_ENDS + begin:g},to={BRIDGE_ENDS + end:g},{words}"
 
 
+def reach_of(name):
+    """m, of a part of the wedge at its top, from the bridge."""
+    return max(BLOCKS[name]["outline"][::2]) - BACKFILL
+
+
 def clip(begin, end, reach):
     """Outline of the part from x = begin to end of a triangle below the capping layer, whose top
     edge is `reach` long from the bridge and whose other edge is the abutment; none beyond it."""
     def foot(x):
-        return -0.6 - (DEPTH - 0.6) * max(0, 1 - (x - BACKFILL) / reach)
+        return TOP - (DEPTH + TOP) * max(0, 1 - (x - BACKFILL) / reach)
     if begin >= BACKFILL + reach - 1e-9:
         return None
     tip = min(end, BACKFILL + reach)
-    points = [(begin, -0.6), (tip, -0.6), (tip, foot(tip)), (begin, foot(begin))]
-    return [p for k, p in enumerate(points) if k != 2 or p[1] < -0.6 - 1e-9]
+    points = [(begin, TOP), (tip, TOP), (tip, foot(tip)), (begin, foot(begin))]
+    return [p for k, p in enumerate(points) if k != 2 or p[1] < TOP - 1e-9]
 
 
 def narrow(layered, narrowest=0.5, over=24.0, strip=3.0):
@@ -69,23 +87,25 @@ def narrow(layered, narrowest=0.5, over=24.0, strip=3.0):
     densities times their width over that of the model."""
     blocks = []
 
-    def block(name, outline, young, density, damping, width):
-        numbers = ",".join(f"{value:g}" for point in outline for value in point)
-        blocks.append(f'{{name="{name}",outline=[{numbers}],young={young * width:g},poisson=0.3,'
-                      f"density={density * width:g},rayleigh_stiffness={damping:g}}}")
+    def block(name, outline, of, width):
+        numbers = ",".join(f"{value:g}" for value in np.ravel(outline))
+        blocks.append(f'{{name="{name}",outline=[{numbers}],young={of["young"] * width:g},'
+                      f'poisson={of["poisson"]:g},density={of["density"] * width:g},'
+                      f'rayleigh_stiffness={of["rayleigh_stiffness"]:g}}}')
     for k in range(round(over / strip)):
-        begin = BACKFILL + k * strip
+        begin, top = BACKFILL + k * strip, 0
         end = begin + strip
         width = narrowest + (1 - narrowest) * (k + 0.5) * strip / over
-        for top, bottom, name, *of in LAYERS:
+        for name, layer in LAYERS.items():
+            bottom = top + layer["thickness"]
             block(f"{name}_{k}", [(begin, -top), (end, -top), (end, -bottom), (begin, -bottom)],
-                  *(of if layered else LAYERS[2][3:]), width)
-        for reach, name, *of in PARTS if layered else ():
-            if outline := clip(begin, end, reach):
-                block(f"{name}_{k}", outline, *of, width)
-    block("abutment", [(0, 0), (6, 0), (6, -9), (0, -9)], 30e9, 2500, 0, 1)
-    return ("ground.block=[" + ",".join(blocks).replace('young=3e+10,poisson=0.3',
-                                                        'young=3e+10,poisson=0.25') + "]",)
+                  layer if layered else LAYERS["embankment"], width)
+            top = bottom
+        for name in WEDGE if layered else ():
+            if outline := clip(begin, end, reach_of(name)):
+                block(f"{name}_{k}", outline, BLOCKS[name], width)
+    block("abutment", BLOCKS["abutment"]["outline"], BLOCKS["abutment"], 1)
+    return ("ground.block=[" + ",".join(blocks) + "]",)
 
 
 GEOMETRIES = {  # of the report's Table 3: words of the plane model, name
@@ -118,7 +138,6 @@ def nearest(x, metres):
 
 # Whether anything lets three times the sleepers' mass change the displacement: words for both.
 EXPERIMENTS = {
-    "even rail": (),
     "uneven rail, seed 1": ("irregularity.kind=spectrum", "irregularity.spectrum=erri_low"),
     "uneven rail, seed 2": ("irregularity.kind=spectrum", "irregularity.spectrum=erri_low",
                             "irregularity.seed=2"),
@@ -136,8 +155,8 @@ EXPERIMENTS = {
 WIDE = "sleeper=2,footprint=1.49,bed=1.71"
 # Measures at the bridge of the report's Appendix B, on embankment.
 GLUED, PARTLY = "bed=4", "bed=2"
-SZ = ((-7.2, 0, "pad=0.4"), (0, 7.2, f"pad=0.4,rail=2,{GLUED}"),
-      (7.2, 15, f"pad=0.4,rail=2,{PARTLY}"), (15, 27, f"rail=2,{PARTLY}"), (27, 35, PARTLY))
+SECTIONS = ((-7.2, 0, "pad=0.4"), (0, 7.2, f"pad=0.4,rail=2,{GLUED}"),
+            (7.2, 15, f"pad=0.4,rail=2,{PARTLY}"), (15, 27, f"rail=2,{PARTLY}"), (27, 35, PARTLY))
 SLAB = ("ground.block=[{name=\"slab\",outline=[6,0,11,0,11,-0.25,6,-0.25],young=30e9,poisson=0.25,"
         "density=2500,rayleigh_stiffness=0},"
         "{name=\"abutment\",outline=[0,0,6,0,6,-9,0,-9],young=30e9,poisson=0.25,density=2500,"
@@ -158,7 +177,8 @@ MEASURES = {
     "under-sleeper pads on the bridge": (
         *EMBANKMENT, *FINE, "under_sleeper_pad.stiffness=60e6", "under_sleeper_pad.damping=20e3",
         f"under_sleeper_pad.to={BRIDGE_ENDS}"),
-    "four sections as in Slovenia": (*EMBANKMENT, *FINE, zones(*(behind(*one) for one in SZ))),
+    "four sections as in Slovenia": (
+        *EMBANKMENT, *FINE, zones(*(behind(*one) for one in SECTIONS))),
     "sleepers of three times the mass, 12 m": (
         *EMBANKMENT, *FINE, zones(behind(0, 12, "sleeper=3"))),
     "twice as wide sleepers, 12 m": (
@@ -193,17 +213,19 @@ CONVERGENCE = {
     "a rail of twice the elements": ("track.elements=8",),
 }
 STONES = "track/netirail_stones.toml"
-SOFT_STONES = tuple(f"ground.layer.{layer}.{word}" for layer in ("sub_ballast", "capping")
-                    for word in ("young=400e6", "density=10200", "rayleigh_stiffness=2.9e-3"))
+SOFT_STONES = fill(stiffer=5)  # the ground of that deck
 SIX = tuple(word for word in BASE if "vehicles" not in word and "duration" not in word)
 
 
 def mirrored(words=()):
     """The train comes from the embankment: the mirror image of the deck's layers."""
-    outlines = {"ugm": "[54,-0.6,34,-0.6,54,-9]", "cbm": "[54,-0.6,44,-0.6,54,-9]",
-                "abutment": "[60,0,54,0,54,-9,60,-9]"}
-    return (*words, f"passage.points=[{MIRROR - 32.4:g},{MIRROR - 58.8:g}]",
-            *(f"ground.block.{name}.outline={outline}" for name, outline in outlines.items()))
+    def outline(name):
+        points = np.reshape(BLOCKS[name]["outline"], (-1, 2))
+        mirror = points * [-1, 1] + [DECK["ground"]["x"][1], 0]
+        return ",".join(f"{value:g}" for value in mirror.ravel())
+    points = ",".join(f"{MIRROR - x:g}" for x in DECK["passage"]["points"])
+    return (*words, f"passage.points=[{points}]",
+            *(f"ground.block.{name}.outline=[{outline(name)}]" for name in BLOCKS))
 
 
 # Runs whose displacements along the track are drawn.
@@ -336,30 +358,26 @@ def change(numbers, run, other, quantity):
     return numbers(other, quantity) / numbers(run, quantity) - 1
 
 
-def by_mass(numbers, kind, name, quantity=f"rail, {NEAR}", factor=3):
-    """Relative change with `factor` times the mass of the sleepers."""
-    one = f"{kind}_{name}" if kind == "space" else f"{kind}_{name}_1"
-    return change(numbers, one, f"{kind}_{name}_{factor}", quantity)
-
-
 def own_weight(factor):
     """mm, by which sleepers of `factor` times the mass sink into a plane ground of embankment under
     their own weight: a uniform pressure on a layer that cannot expand along the track."""
-    pressure = factor * SLEEPER / 2 * 9.81 / (0.6 * 6.5)
-    young, poisson = LAYERS[2][3], 0.3
-    return 1e3 * pressure * DEPTH * (1 - poisson**2) / young
+    fill_of = LAYERS["embankment"]
+    pressure = factor * SLEEPER / 2 * 9.81 / (DECK["track"]["spacing"] * DECK["thickness"])
+    return 1e3 * pressure * DEPTH * (1 - fill_of["poisson"]**2) / fill_of["young"]
 
 
-def resonance(factor):
+def resonance(numbers, factor):
     """Hz, of half a sleeper of `factor` times the mass between pad and ballast in series with a
-    plane ground of embankment: about 100 MN/m, seat force over displacement."""
-    below = 1 / (1 / 250e6 + 1 / 100e6)
-    return math.sqrt((130e6 + below) / (factor * SLEEPER / 2)) / (2 * math.pi)
+    plane ground of embankment, whose stiffness is seat force over displacement."""
+    run = "plane_same_width_fill_1"
+    ground = 1e6 * numbers(run, f"seat force, {FAR}") / numbers(run, f"ground, {FAR}")  # kN, mm
+    below = 1 / (1 / DECK["ballast"]["stiffness"] + 1 / ground)
+    return math.sqrt((DECK["pad"]["stiffness"] + below) / (factor * SLEEPER / 2)) / (2 * math.pi)
 
 
-def dynamic(factor):
+def dynamic(numbers, factor):
     """Relative difference of a displacement at the frequency of the axles to a static one."""
-    ratio = 61.111 / 2.7 / resonance(factor)
+    ratio = SPEED / WHEELBASE / resonance(numbers, factor)
     return 1 / (1 - ratio**2) - 1
 
 
@@ -371,7 +389,7 @@ def targets(n):
     wedge = change(n, "space_no_wedge", "space_layers", f"rail, {NEAR}")
     at_41 = change(n, "space_no_wedge", "space_layers", f"rail, {FAR}")
     plane = change(n, "plane_no_wedge", "plane_same_width_1", f"rail, {NEAR}")
-    reinforced = by_mass(n, "space", "layers")
+    reinforced = change(n, "space_layers", "space_layers_3", f"rail, {NEAR}")
     heavier = change(n, "plane_same_width_fill_1", "plane_same_width_fill_2", f"rail, {NEAR}")
     return [
         Target("rail, 41 m from the bridge, ground in space", "main", "about 0.8 mm",

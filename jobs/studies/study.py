@@ -7,7 +7,7 @@ A study NAME is a module NAME with
 and a module NAME_document with
     TITLE, SOURCE, CRITERION     of the document; when a target counts as reproduced
     document(numbers)            its text after the targets
-    figures(lines, folder)       draws what it shows
+    figures(numbers, lines, folder)   draws what it shows
 It is made of numbers and lines alone, so that it can be made again from the two files.
 """
 import csv
@@ -17,7 +17,9 @@ import json
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "postproc"))
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+INPUTS = ROOT / "inputs"
+sys.path.insert(0, str(ROOT / "postproc"))
 from trackbed_post import read  # noqa: E402, F401 (of all studies)
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")  # for colour blindness (Okabe, Ito)

@@ -47,7 +47,7 @@ def area(outline):
 
 
 def test_strips_of_the_wedge_add_up_to_it():
-    for reach, *_ in netirail.PARTS:
+    for reach in map(netirail.reach_of, netirail.WEDGE):
         parts = [netirail.clip(6 + 3 * k, 9 + 3 * k, reach) for k in range(8)]
         assert sum(area(part) for part in parts if part) == pytest.approx(reach * 8.4 / 2)
 
@@ -86,7 +86,7 @@ def test_the_document_states_what_the_numbers_say():
     folder = pathlib.Path(__file__).resolve().parents[2] / "docs/studies/netirail"
     numbers = Numbers.read(folder / "numbers.csv")
     before = netirail_document.document(numbers)
-    one, three = ("plane_mass_even_rail_1", "rail, 14.7 m"), ("plane_mass_even_rail_3",
+    one, three = ("plane_same_width_fill_1", "rail, 14.7 m"), ("plane_same_width_fill_3",
                                                               "rail, 14.7 m")
     numbers.rows[three] = (0.5 * numbers.rows[one][0], "mm")
     after = netirail_document.document(numbers)

@@ -147,11 +147,8 @@ void declare_under_sleeper(const track::LineParameters& line, input::Section& s)
   const track::UnderSleeperPadParameters& pad = line.under_sleeper;
   const track::TrackParameters& track = line.track;
   if (pad.stiffness == 0 || track.support != track::Support::sleepers) return;
-  bool any = false;
-  for (double x = 0; x < track.length + track.spacing / 2; x += track.spacing)
-    any = any || pad.lie_at(x, track.length);
   s.rule(
-      "under_sleeper_pad.from", any,
+      "under_sleeper_pad.from", holds_pad_below(line, {.from = 0, .to = track.length}),
       fmt::format("no sleeper has a pad: no sleeper of the track (0 to {:g} m) lies between `from` "
                   "and `to`",
                   track.length),
