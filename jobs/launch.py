@@ -1,10 +1,12 @@
 """Starts runs for the Python scripts in jobs/, as common.sh does for the shell scripts."""
+import concurrent.futures
 import os
 import re
 import shutil
 import signal
 import subprocess
 import sys
+import threading
 
 BAD_INPUT = 2  # exit codes, those of the program
 STOPPED = 3  # a run that can be resumed, or a script that received a signal to stop
@@ -19,31 +21,50 @@ os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")
 
 
 class Runs:
-    """The current run, and whether the script has received a signal to stop."""
-    stop_requested, process = False, None
+    """The current runs, and whether the script has received a signal to stop."""
+
+    def __init__(self):
+        self.stop_requested, self.stop_reported, self.processes = False, False, []
 
     def listen(self):
+        """Signals stop the runs; only the main thread can receive them."""
+        if threading.current_thread() is not threading.main_thread():
+            return
         for number in (*TO_STOP, signal.SIGALRM):
             if signal.getsignal(number) is not signal.SIG_IGN:  # nohup
                 signal.signal(number, self.request_stop)
 
+    def ignore(self):
+        """Signals end the script at once again, as there are no runs."""
+        if threading.current_thread() is not threading.main_thread():
+            return
+        for number in TO_STOP:
+            if signal.getsignal(number) == self.request_stop:
+                signal.signal(number, signal.default_int_handler if number == signal.SIGINT
+                              else signal.SIG_DFL)
+
     def request_stop(self, *_):
         self.stop_requested = True
-        if self.process:
-            self.process.send_signal(signal.SIGUSR1)
+        for process in tuple(self.processes):
+            process.send_signal(signal.SIGUSR1)
+        if self.processes:
             signal.setitimer(signal.ITIMER_REAL, 1)  # repeat: mpirun loses it while it has no ranks
 
     def begin(self, command, how):
         # In a session of its own the run does not receive Ctrl-C from the terminal.
-        self.process = subprocess.Popen(command, start_new_session=True, stdin=subprocess.DEVNULL,
-                                        **how)
+        process = subprocess.Popen(command, start_new_session=True, stdin=subprocess.DEVNULL,
+                                   **how)
+        self.processes.append(process)
         if self.stop_requested:  # since the check in run()
             self.request_stop()
-        return self.process
+        return process
 
-    def end(self):
-        self.process = None
-        signal.setitimer(signal.ITIMER_REAL, 0)
+    def end(self, process):
+        self.processes.remove(process)
+        if not self.processes:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+        if self.processes and self.stop_requested:  # another has begun in the meantime
+            signal.setitimer(signal.ITIMER_REAL, 1)
 
 
 RUNS = Runs()
@@ -84,10 +105,40 @@ def on_ranks(ranks, *words):
 
 def stop(then):
     try:
-        print(f"stopped; {then}", file=sys.stderr)
+        if not RUNS.stop_reported:
+            RUNS.stop_reported = True
+            print(f"stopped; {then}", file=sys.stderr)
     except OSError:
         pass  # the terminal is gone
     sys.exit(STOPPED)
+
+
+def together(works, slots):
+    """Does `works`, each a tuple (name, names of those that must be done before, slots it takes,
+    function without arguments), side by side in at most `slots` slots, or alone if it takes more,
+    and starts them in their order. If one ends the script, the others are stopped first."""
+    RUNS.listen()
+    waiting, running, done = list(works), {}, set()
+    with concurrent.futures.ThreadPoolExecutor(max_workers=max(slots, 1)) as pool:
+        try:
+            while waiting or running:
+                for work in [each for each in waiting if done.issuperset(each[1])]:
+                    if running and sum(each[2] for each in running.values()) + work[2] > slots:
+                        break
+                    waiting.remove(work)
+                    running[pool.submit(work[3])] = work
+                if not running:
+                    raise ValueError("works that wait for each other or for one that is not given: "
+                                     + ", ".join(each[0] for each in waiting))
+                for future in concurrent.futures.wait(
+                        running, return_when=concurrent.futures.FIRST_COMPLETED)[0]:
+                    done.add(running.pop(future)[0])
+                    future.result()
+        except BaseException:
+            RUNS.stop_reported = True  # the reason of the end is known
+            RUNS.request_stop()
+            raise
+    RUNS.ignore()
 
 
 def run(command, then="the same command runs it again", **how):
@@ -102,8 +153,10 @@ def run(command, then="the same command runs it again", **how):
         process = RUNS.begin(command, how)
     except OSError as error:
         refuse(f"{error.filename}: {error.strerror}")
-    out, err = process.communicate()
-    RUNS.end()
+    try:
+        out, err = process.communicate()
+    finally:
+        RUNS.end(process)
     if RUNS.stop_requested and process.returncode in STOP_CODES:
         stop(then)
     return subprocess.CompletedProcess(command, process.returncode, out, err)

@@ -1,11 +1,13 @@
 """What all studies share: runs, numbers, targets and the parts of a document.
 
 A study NAME is a module NAME with
+    prepare(program, folder)     (optional) makes files that the Runs need
     runs(form, ranks)            the Runs of the form "short" or "full"
     measure(form, folder, numbers, lines)   fills in Numbers and Lines of the runs in `folder`
     targets(numbers)             Targets, with values that the numbers give
 and a module NAME_document with
     TITLE, SOURCE, CRITERION     of the document; when a target counts as reproduced
+    summary(numbers)             (optional) what was found, in a few items
     document(numbers)            its text after the targets
     figures(numbers, lines, folder)   draws what it shows
 It is made of numbers and lines alone, so that it can be made again from the two files.
@@ -15,7 +17,9 @@ import dataclasses
 import io
 import json
 import pathlib
+import re
 import sys
+import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 INPUTS = ROOT / "inputs"
@@ -38,7 +42,9 @@ class Run:
 class Target:
     """A published value beside ours. `close`: relative deviation that counts as reproduced; without
     a published number `holds` decides. `sign`: whether our value has the published sign or order,
-    which the short form requires of main targets; None: it is not required."""
+    which the short form requires of main targets; None: it is not required. `each`: the value of
+    each packing, of which `ours` is the mean. `see`: section with experiments if it is not
+    reproduced."""
     what: str
     kind: str  # hard, main or soft, see the document
     published: str
@@ -48,14 +54,27 @@ class Target:
     close: float | None = None
     holds: bool | None = None
     sign: bool | None = None
+    each: tuple = ()
+    see: str = ""
 
     def deviation(self):
         return None if self.value is None else self.ours / self.value - 1
 
+    def close_to(self, ours):
+        return abs(ours / self.value - 1) <= self.close
+
     def reproduced(self):
+        """True, False, or the number of packings that reproduce it if it is only some."""
         if self.holds is not None:
-            return self.holds
-        return abs(self.deviation()) <= self.close
+            return bool(self.holds)
+        count = sum(map(self.close_to, self.each or (self.ours,)))
+        return {0: False, max(len(self.each), 1): True}.get(count, count)
+
+    def verdict(self):
+        found = self.reproduced()
+        if isinstance(found, bool):
+            return "yes" if found else "**no**"
+        return f"in {found} of {len(self.each)} packings"
 
 
 class Numbers:
@@ -140,14 +159,56 @@ def percent(ratio):
     return "0.0 %" if text in ("-0.0 %", "+0.0 %") else text
 
 
+def figure_of(target):
+    """Our value, with the range over packings."""
+    def text(value):
+        return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+    found = text(target.ours)
+    if len(target.each) > 1:
+        found += f" ({text(min(target.each))} to {text(max(target.each))})"
+    return f"{found} {target.unit}".rstrip()
+
+
 def targets_table(targets):
     """Target by target: theirs, ours, deviation, verdict."""
     def row(target):
         off = target.deviation() if target.unit != "%" else None  # of a percentage: no figure
-        return (target.what, target.kind, target.published, f"{target.ours:.3g} {target.unit}",
-                "" if off is None else percent(off), "yes" if target.reproduced() else "**no**")
-    return table(("target", "kind", "published", "ours", "deviation", "reproduced"),
-                 map(row, targets))
+        return (target.what, target.kind, target.published, figure_of(target),
+                "" if off is None else percent(off), target.verdict(),
+                "" if target.reproduced() is True else target.see)
+    head = ("target", "kind", "published", "ours", "deviation", "reproduced", "experiments")
+    return table(head, map(row, targets))
+
+
+def counted(targets):
+    """'12 of 20 targets are reproduced ...' """
+    found = [target.reproduced() for target in targets]
+    some = sum(not isinstance(each, bool) for each in found)
+    yes, no = (sum(each is verdict for each in found) for verdict in (True, False))
+    return (f"Of {len(found)} targets {yes} are reproduced"
+            + (f", {some} in some packings only" if some else "") + f", {no} are not.")
+
+
+def reflowed(text, width=100):
+    """Markdown whose paragraphs and items fill its lines, whatever the length of numbers in them.
+    """
+    out, prose = [], []
+
+    def flush():
+        if prose:
+            indent = "  " if prose[0].startswith("- ") else ""
+            out.append(textwrap.fill(" ".join(prose), width, subsequent_indent=indent,
+                                     break_long_words=False, break_on_hyphens=False))
+            prose.clear()
+    for line in text.splitlines():
+        if not line or line.startswith(("#", "|", "!", "<", "- ")):
+            flush()
+        if line.startswith("- ") or (line and not line.startswith(("#", "|", "!", "<"))):
+            prose.append(line.strip())
+        else:
+            out.append(line)
+    flush()
+    return re.sub("\n{3,}", "\n\n", "\n".join(out) + "\n")
 
 
 def heading(text):
