@@ -25,7 +25,8 @@ CHAPTERS = {
     "First steps": ("tutorial", "gallery", "cookbook"),
     "User guide": ("running", "track", "bed", "stones", "ground", "solid_track", "shapes",
                    "laboratory", "postproc"),
-    "Studies": ("studies/netirail/README",),
+    "Studies": ("studies/netirail/README", "studies/shi/README",
+                "studies/demfem/README"),
     "Reference": ("input", "checkpoint", "glossary", "verification", "theory"),
     "Development": ("architecture",),
 }

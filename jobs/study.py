@@ -5,10 +5,11 @@
     study.py --document NAME FOLDER            the document again, from numbers.csv and lines.csv
 
 Finished runs in FOLDER are kept, a stopped run is resumed; a run of another program, deck or list
-of changes, or after another such run, is replaced. The exit code is 1 if a main target has the
-wrong sign, otherwise that of trackbed.
+of changes, or after another such run, is replaced. The exit code is 1 if a hard or main
+target has the wrong sign, otherwise that of trackbed.
 """
 import argparse
+import functools
 import hashlib
 import importlib
 import json
@@ -18,21 +19,23 @@ import re
 import subprocess
 import sys
 import time
+import tomllib
 
 import launch
-from studies.study import INPUTS, Lines, Numbers, read, targets_table
+from studies.study import INPUTS, Lines, Numbers, counted, read, reflowed, targets_table
 
-STUDIES = ("netirail",)
+STUDIES = ("netirail", "shi", "demfem")
 WRONG_SIGN = 1
 HEAD = """# {title}
 <!-- made by jobs/study.py from numbers.csv -->
 {source}
-
-`{command}` repeats it: {runs} runs, {minutes:.0f} minutes of wall time on {cores}.
+{summary}
+`{command}` repeats it: {runs} runs, whose wall times add up to {minutes:.0f} minutes, on {cores}.
 Numbers are those of [numbers.csv](numbers.csv) ({version}).
 
 ## Targets
-{criterion}
+{counted} Hard targets are those that must hold, main ones the message of the study, soft ones
+values to compare. {criterion}
 
 {targets}"""
 
@@ -56,14 +59,29 @@ class Key:
         self.folder = folder.resolve()
 
     def changes(self, run):
-        return [word.replace("{folder}", str(self.folder)) for word in run.words]
+        return [word.replace("{folder}", str(self.folder)).replace("{inputs}", str(INPUTS))
+                for word in run.words]
+
+    def before(self, run):
+        """Names of the runs it starts from."""
+        return sorted({name for word in run.words
+                       for name in re.findall(r"\{folder\}/(\w+)", word)} & self.runs.keys())
+
+    def files(self, run, deck):
+        """Hashes of the files that its words and its deck name."""
+        found = {(self.folder if place == "{folder}" else INPUTS) / name for word in run.words
+                 for place, name in re.findall(r"(\{folder\}|\{inputs\})/([\w/.]+)", word)
+                 if name.split("/")[0] not in self.runs}
+        found |= {(INPUTS / run.deck).parent / name
+                  for name in re.findall(r'"([\w/.]+\.csv)"', deck)}
+        return [hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(found)
+                if path.is_file()]
 
     def of(self, run):
-        before = sorted({name for word in run.words
-                         for name in re.findall(r"\{folder\}/(\w+)", word)})
-        deck = (INPUTS / run.deck).read_text(encoding="utf-8")
-        return "\n".join([self.program, *run.words, deck,
-                          *(self.of(self.runs[name]) for name in before)])
+        with open(INPUTS / run.deck, "rb") as file:
+            deck = json.dumps(tomllib.load(file))  # whatever its comments
+        return "\n".join([self.program, *run.words, deck, *self.files(run, deck),
+                          *(self.of(self.runs[name]) for name in self.before(run))])
 
 
 def do(program, key, run, folder):
@@ -106,20 +124,27 @@ def document_of(name, numbers):
     study, text = study_of(name), importlib.import_module(f"studies.{name}_document")
     times = [value for (_, quantity), (value, _) in numbers.rows.items()
              if quantity == "wall_time"]
+    summary = text.summary(numbers) if hasattr(text, "summary") else ""
     head = HEAD.format(title=text.TITLE, source=text.SOURCE, criterion=text.CRITERION,
+                       summary=summary,
                        command=numbers.about["command"], runs=len(times), minutes=sum(times) / 60,
                        cores=numbers.about["machine"], version=numbers.about["version"],
+                       counted=counted(study.targets(numbers)),
                        targets=targets_table(study.targets(numbers)))
-    return head + text.document(numbers)
+    return reflowed(head + text.document(numbers))
 
 
 def write_document(name, folder):
     study_of(name)
     try:
         numbers, lines = Numbers.read(folder / "numbers.csv"), Lines.read(folder / "lines.csv")
+        text = document_of(name, numbers)
     except OSError as error:
         launch.refuse(f"{error.filename}: {error.strerror}")
-    (folder / "README.md").write_text(document_of(name, numbers), encoding="utf-8")
+    except (KeyError, ValueError) as error:
+        launch.refuse(f"{folder}: numbers.csv and lines.csv are not those of {name} "
+                      f"({type(error).__name__}: {error})")
+    (folder / "README.md").write_text(text, encoding="utf-8")
     importlib.import_module(f"studies.{name}_document").figures(numbers, lines, folder)
 
 
@@ -140,26 +165,37 @@ def machine():
 def repeat(program, name, form, folder):
     """Runs a study and writes numbers, figures and document; the targets with a wrong sign."""
     study, version = study_of(name), version_of(program)
+    ranks = launch.requested_ranks()
     launch.make_folder(folder)
     if not os.access(folder, os.W_OK):
         launch.refuse(f"{folder}: permission denied")
-    runs = study.runs(form, launch.requested_ranks())
+    if hasattr(study, "prepare"):
+        study.prepare(program, folder)
+    runs = study.runs(form, ranks)
     key = Key(program, runs, folder)
-    for run in runs:
-        do(program, key, run, folder)
+    launch.together([(run.name, key.before(run), run.ranks,
+                      functools.partial(do, program, key, run, folder)) for run in runs], ranks)
     numbers, lines = Numbers({"version": version, "machine": machine(),
                               "command": f"jobs/study.sh {name} {form}"}), Lines()
     try:
         study.measure(form, folder, numbers, lines)
-    except (read.Unreadable, OSError) as error:
-        launch.refuse(str(error))
+    except (read.Unreadable, OSError, KeyError, ValueError) as error:
+        print(f"the results in {folder} cannot be measured ({type(error).__name__}: {error})",
+              file=sys.stderr)
+        sys.exit(launch.FAILED)
     (folder / "numbers.csv").write_text(numbers.text(), encoding="utf-8")
     (folder / "lines.csv").write_text(lines.text(), encoding="utf-8")
     write_document(name, folder)
     targets = study.targets(numbers)
     print(targets_table(targets), end="")
     print(f"document: {folder / 'README.md'}")
-    return [target.what for target in targets if target.kind != "soft" and target.sign is False]
+    return wrong(targets)
+
+
+def wrong(targets):
+    """Hard and main targets whose value has not the published sign."""
+    return [target.what for target in targets
+            if target.kind != "soft" and target.sign is not None and not target.sign]
 
 
 def main():
@@ -173,10 +209,10 @@ def main():
     parser.add_argument("form", choices=("short", "full"))
     parser.add_argument("folder", type=pathlib.Path)
     given = parser.parse_args()
-    wrong = repeat(given.program, given.name, given.form, given.folder)
-    for what in wrong:
+    found = repeat(given.program, given.name, given.form, given.folder)
+    for what in found:
         print(f"wrong sign: {what}", file=sys.stderr)
-    return WRONG_SIGN if wrong else 0
+    return WRONG_SIGN if found else 0
 
 
 if __name__ == "__main__":

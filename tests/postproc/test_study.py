@@ -1,14 +1,22 @@
 """What the scripts of studies compute themselves: numbers, targets, outlines."""
 import pathlib
 import sys
+import threading
+import time
 import tomllib
 
+import types
+
+import h5py
 import numpy as np
 import pytest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "jobs"))
-from studies import netirail, netirail_document  # noqa: E402
-from studies.study import Lines, Numbers, Target, targets_table  # noqa: E402
+import launch  # noqa: E402
+import study  # noqa: E402
+from studies import demfem, netirail, netirail_document, shi  # noqa: E402
+from studies.study import (Lines, Numbers, Run, Target, counted, reflowed,  # noqa: E402
+                           targets_table)
 
 
 def test_numbers_and_lines_are_read_as_written(tmp_path):
@@ -33,10 +41,25 @@ def test_a_target_is_reproduced_within_its_deviation(ours, yes):
     assert ("| yes |" in targets_table([target])) == yes
 
 
+def test_a_target_counts_the_packings_that_reproduce_it():
+    def verdict(*each):
+        return Target("stress", "main", "10 kPa", float(np.mean(each)), "kPa", 10, 0.15,
+                      each=each).verdict()
+    assert verdict(9, 10, 11) == "yes" and verdict(5, 20, 30) == "**no**"
+    assert verdict(5, 10, 20) == "in 1 of 3 packings"
+    assert counted([Target("a", "main", "", 1.0, "", 1, 0.1, each=(1, 2)),
+                    Target("b", "main", "", 1.0, "", 1, 0.1),
+                    Target("c", "main", "", 2.0, "", 1, 0.1)]) == (
+        "Of 3 targets 1 are reproduced, 1 in some packings only, 1 are not.")
+    assert "| 10 (9 to 11) kPa | 0.0 % | yes |" in targets_table(
+        [Target("stress", "main", "10 kPa", 10.0, "kPa", 10, 0.15, each=(9, 11))])
+
+
 @pytest.mark.parametrize("form", ["short", "full"])
-def test_each_run_has_a_folder_of_its_own_and_a_deck(form):
-    runs = netirail.runs(form, 2)
-    assert len({run.name for run in runs}) == len(runs) > 3
+@pytest.mark.parametrize("name", study.STUDIES)
+def test_each_run_has_a_folder_of_its_own_and_a_deck(name, form):
+    runs = study.study_of(name).runs(form, 2)
+    assert len({run.name for run in runs}) == len(runs) > 2
     inputs = pathlib.Path(__file__).resolve().parents[2] / "inputs"
     assert all((inputs / run.deck).is_file() for run in runs)
 
@@ -97,3 +120,179 @@ def test_the_document_states_what_the_numbers_say():
 def test_own_weight_on_a_plane_layer():
     # 157.5 kg on 0.6 x 6.5 m: 396 Pa on 9 m of 80 MPa / (1 - 0.09).
     assert netirail.own_weight(1) == pytest.approx(0.0405, abs=1e-4)
+
+
+def test_works_are_done_after_those_before_them_and_never_in_more_slots_than_given():
+    lock, state, most, order = threading.Lock(), {"used": 0}, [], []
+
+    def work(name, slots):
+        def do():
+            with lock:
+                state["used"] += slots
+                most.append(state["used"])
+            time.sleep(0.02)
+            with lock:
+                state["used"] -= slots
+                order.append(name)
+        return do
+    before = {"a": (), "b": ("a",), "c": (), "wide": ("c",), "too wide": (), "last": ("wide",)}
+    slots = {"wide": 2, "too wide": 5}
+    launch.together([(name, after, slots.get(name, 1), work(name, slots.get(name, 1)))
+                     for name, after in before.items()], 2)
+    assert sorted(order) == sorted(before)
+    assert all(order.index(first) < order.index(name)
+               for name, after in before.items() for first in after)
+    assert sorted(set(most)) == [1, 2, 5] and max(most[:2]) == 2
+
+
+def test_works_that_wait_for_each_other_are_refused():
+    with pytest.raises(ValueError, match="a, b"):
+        launch.together([("a", ("b",), 1, int), ("b", ("a",), 1, int), ("c", (), 1, int)], 2)
+
+
+def test_a_work_that_ends_the_script_stops_the_others(monkeypatch):
+    runs, done = launch.Runs(), []
+    monkeypatch.setattr(launch, "RUNS", runs)
+
+    def fails():
+        sys.exit(4)
+
+    def waits():
+        end = time.monotonic() + 10
+        while not runs.stop_requested and time.monotonic() < end:
+            time.sleep(0.01)
+        done.append(runs.stop_requested)
+    with pytest.raises(SystemExit) as ended:
+        launch.together([("waits", (), 1, waits), ("fails", (), 1, fails),
+                         ("never", ("fails",), 1, lambda: done.append("never"))], 2)
+    assert ended.value.code == 4 and done == [True]
+
+
+def test_the_rise_of_a_surface_is_found_among_loads_of_single_stones():
+    x = np.linspace(0, 17, 301)
+    s = np.maximum(x - shi.EDGE, 0)
+    rough = 1 + 0.1 * np.sin(40 * x)
+    for length, power in ((1.0, 1.0), (3.0, 2.0)):
+        down = 0.02 + 1.1 * (1 - np.exp(-(s / length)**power)) * rough
+        assert shi.rise(x, down, 0.02, 1.12) == pytest.approx(
+            length * np.log(10)**(1 / power), rel=0.05)
+
+
+def test_cells_have_the_mean_velocity_of_their_points():
+    points = np.array([[0.1, 0.1], [0.5, 0.1], [0.7, 0.1], [0.1, -0.1]])
+    centres, means = shi.cells(points, np.array([[1, 2], [3, 4], [5, 6], [7, 8]]), 0.6, 0.2)
+    found = {tuple(np.round(at, 6)): tuple(of) for at, of in zip(centres, means)}
+    assert found == {(0.3, 0.1): (2, 3), (0.9, 0.1): (5, 6), (0.3, -0.1): (7, 8)}
+
+
+def test_sampled_loads_are_those_of_the_formula():
+    rows = np.loadtxt(shi.INPUTS / "shi/seat_load_100hz.csv", delimiter=",", skiprows=1)
+    s = shi.LOAD["speed"] * (rows[:, 0] - 0.25)
+    b = 1.54257
+    force = sum(np.exp(-b * np.abs(s - at)) * (np.cos(b * np.abs(s - at))
+                + np.sin(b * np.abs(s - at))) for at in shi.LOAD["axles"]) * shi.LOAD["peak"]
+    assert np.allclose(rows[1:-1, 1], force[1:-1], atol=0.6) and np.all(np.diff(rows[:, 0]) > 0)
+
+
+def test_stiffness_is_the_slope_of_each_loading():
+    time = np.arange(0, demfem.CYCLES["duration"], 1e-3)
+    phase = time / demfem.PERIOD
+    stress = 1e5 * (1 - np.cos(2 * np.pi * phase)) / 2
+    strain = stress / 20e6 + 1e-3 * phase.astype(int)  # keeps more in each cycle
+    assert np.allclose(demfem.slopes(stress, strain, time, 5), 20e6, rtol=1e-6)
+
+
+def test_the_benchmark_is_predicted_from_rates():
+    numbers = Numbers({})
+    numbers.put("cost_convex", "stone steps per second and core", 1e6, "1/s")
+    numbers.put("cost_convex", "element steps per second and core", 1e7, "1/s")
+    stones, ground = demfem.predicted(numbers, "convex", 16)
+    assert stones == pytest.approx(3.3e5 * 5e5 / 1e6 / 16 / 60)
+    assert ground == pytest.approx(3750 * 5e4 / 1e7 / 16 / 60)
+
+
+def test_the_ground_has_the_largest_principal_stresses_along_the_track(tmp_path):
+    fields = tmp_path / "fields"
+    fields.mkdir()
+    cube = np.array([(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))])
+    places = [(0, 0, 0), (0, 1, 0), (5, 0, 0)]
+    stress = [(2e6, 0, -1e6, 0, 0, 0), (0, 0, 0, 3e6, 0, 0), (-4e6, 0, 0, 0, 0, 0)]
+    with h5py.File(fields / "load_000010_ground.vtkhdf", "w") as file:
+        file["VTKHDF/Points"] = np.concatenate([cube + place for place in places])
+        file["VTKHDF/Connectivity"] = np.arange(24)
+        file["VTKHDF/Offsets"] = np.arange(0, 25, 8)
+        file["VTKHDF/CellData/stress_change"] = np.array(stress)
+    numbers, lines = Numbers({}), Lines()
+    demfem.measure_ground("ground", tmp_path, numbers, lines)
+    assert lines.of("tension")["ground"] == ((0.5, 5.5), (3, 0))
+    assert lines.of("compression")["ground"] == ((0.5, 5.5), (3, 4))
+    assert numbers("ground", "tension, x of the largest") == 0.5
+
+
+def test_stresses_at_the_edge_are_compared_with_those_beyond():
+    x = np.arange(0, 17.01, 0.05)
+    stress = 1e5 + 1e4 * np.sin(2 * np.pi * (x - 1.9) / 0.6) + 4e4 * (x < shi.EDGE)
+    run = types.SimpleNamespace(
+        ground_x=x, ground_envelope={"sigma_z_min": types.SimpleNamespace(values=-stress)},
+        sleepers_x=np.array(shi.seats(shi.DECK)))
+    numbers, lines = Numbers({}), Lines()
+    shi.put_stress("run", run, numbers, lines)
+    assert numbers("run", "stress, mean before the edge") == pytest.approx(140, abs=2)
+    assert numbers("run", "stress, mean behind the edge") == pytest.approx(100, abs=2)
+    assert numbers("run", "stress, most before the edge") == pytest.approx(150, abs=0.5)
+    assert numbers("run", "stress, least behind the edge") == pytest.approx(90, abs=0.5)
+    assert numbers("run", "difference of nodes beyond, mean") == pytest.approx(20, abs=1)
+    assert numbers("run", "difference of means beyond, mean") == pytest.approx(0, abs=2)
+
+
+def test_sleepers_that_move_down_ahead_of_an_axle_are_counted():
+    x, time = np.arange(0.7, 17, 0.6), np.linspace(0, 1.8, 3601)
+    load = {"start": -3, "speed": 20}
+    ahead = x[None, :] - (load["start"] + load["speed"] * time[:, None])
+    velocity = -1.0 * ((ahead > -0.1) & (ahead < 1.9))  # the one below and three ahead
+    run = types.SimpleNamespace(deck={"load": load})
+    assert shi.ahead(x, velocity, time, run) == 3
+
+
+def test_a_key_depends_on_files_and_earlier_runs_but_not_on_comments(tmp_path, monkeypatch):
+    inputs, folder = tmp_path / "inputs", tmp_path / "runs"
+    for path in (inputs, folder):
+        path.mkdir()
+    monkeypatch.setattr(study, "INPUTS", inputs)
+    deck = inputs / "deck.toml"
+    deck.write_text('file = "curve.csv"\n', encoding="utf-8")
+    runs = [Run("first", "deck.toml", ("a='{folder}/stones.h5'", "b='{inputs}/more.csv'")),
+            Run("second", "deck.toml", ("start='{folder}/first/stage_a.h5'",))]
+    files = [inputs / "curve.csv", inputs / "more.csv", folder / "stones.h5"]
+    for file in files:
+        file.write_text("1", encoding="utf-8")
+
+    def keys():
+        made = study.Key(sys.executable, runs, folder)
+        return [made.of(run) for run in runs]
+    assert study.Key(sys.executable, runs, folder).before(runs[1]) == ["first"]
+    assert study.Key(sys.executable, runs, folder).changes(runs[0]) == [
+        f"a='{folder}/stones.h5'", f"b='{inputs}/more.csv'"]
+    before = keys()
+    deck.write_text('# new\nfile = "curve.csv"\n', encoding="utf-8")
+    assert keys() == before
+    for file in files:
+        file.write_text("2", encoding="utf-8")
+        after = keys()
+        assert all(a != b for a, b in zip(after, before))
+        before = after
+
+
+def test_paragraphs_and_items_fill_their_lines_and_tables_remain():
+    text = ("# Head\none two\nthree\n\n\n\n- first item\n  goes on\n- second\n"
+            "| a | b |\n![x](y z.png)\n")
+    assert reflowed(text, 12) == ("# Head\none two\nthree\n\n- first item\n  goes on\n- second\n"
+                                  "| a | b |\n![x](y z.png)\n")
+
+
+def test_signs_of_hard_and_main_targets_are_required():
+    def of(kind, sign):
+        return Target(f"{kind} {sign}", kind, "", 1.0, "", 1, 0.1, sign=sign)
+    targets = [of(kind, sign) for kind in ("hard", "main", "soft")
+               for sign in (True, False, None, np.bool_(False), np.float64(1) > 2)]
+    assert study.wrong(targets) == [f"{kind} False" for kind in ("hard", "main") for _ in range(3)]

@@ -1,0 +1,360 @@
+"""Runs, numbers and targets of the study demfem: convex and non-convex stones below sleepers, a
+ground whose stiffness rises along the track, cost. Its document: demfem_document.py.
+
+Stones are compared on a slice of the track (inputs/demfem/sleeper.toml); the ground is loaded alone
+(inputs/demfem/ground.toml); the cost is that of solid sleepers and a rail on stones on the ground
+(inputs/demfem/solids.toml).
+"""
+import hashlib
+import pathlib
+import subprocess
+import tomllib
+
+import h5py
+import numpy as np
+import scipy.signal
+
+import launch
+
+from . import rocks
+from .study import INPUTS, Run, Target, as_file, summary
+
+from trackbed_post import read  # noqa: I001 (found by .study)
+
+SLEEPER, GROUND, SOLIDS = "demfem/sleeper.toml", "demfem/ground.toml", "demfem/solids.toml"
+
+
+def deck_of(name):
+    with open(INPUTS / name, "rb") as file:
+        return tomllib.load(file)
+
+
+DECK, GROUND_DECK = deck_of(SLEEPER), deck_of(GROUND)
+TITLES = {"convex": "convex", "non_convex": "non-convex"}
+SHAPES = tuple(TITLES)
+ROCKS, SIZE = 6, 0.02  # their number; m, length unit of their meshes
+PARTS = {"convex": 1, "non_convex": 3}  # convex pieces of a stone
+CORNERS = 12  # of a piece: 20 triangles
+PACKINGS = (1, 2, 3, 4, 5)  # seeds
+STAGES = {stage["name"]: stage for stage in DECK["stage"]}
+CYCLES = STAGES["cycles"]
+PERIOD = CYCLES["duration"] / CYCLES["cycles"]  # s
+AREA = DECK["sleepers"]["width"] * DECK["sleepers"]["length"]  # m2, of a sleeper
+HEIGHT = STAGES["sleepers"]["height"]  # m, of the bed below the sleepers when they are placed
+STONES = DECK["material"][0]["young"]  # Pa
+GRANITE = 50e9  # Pa, which the study calls realistic
+# Contact forces at eight instants of each cycle.
+FIELDS = ("output.fields=true", f"output.fields_interval={PERIOD / 8:g}",
+          'output.fields_parts=["contacts"]')
+# Coarser stones for the short form: half of their number, and longer steps.
+COARSE = ("bed.sieve=[45,63]", "bed.passing=[0,100]")
+FORCES = np.geomspace(1e-3, 10, 25)  # kN, edges of the histogram
+WIDTHS = {"0.25 m": "young_025.csv", "1 m": "young_100.csv"}  # of the rise of the modulus
+GROUNDS = {
+    "as in the deck": (),
+    "free ends": ("ground.side_x_low=free", "ground.side_x_high=free"),
+    "elements of 0.2 m": ("ground.elements_x=30", "ground.elements_y=12", "ground.elements_z=5"),
+    **{f"rise of the modulus over {width}":
+       (f"ground.layer.subground.young_file='{{folder}}/{file}'",)
+       for width, file in WIDTHS.items()},
+}
+SOFT, HARD, MIDDLE = 80e6, 30e9, 3.0  # Pa, Pa, m
+# The study's benchmark: stones, hexahedra of the ground, steps of both in 0.5 s; minutes in total,
+# of stones, of elements and of coupling with 3.5e4 elements, most of them in rails and sleepers.
+BENCHMARK = {"stones": {"convex": 3.3e5, "non_convex": 3.4e5}, "elements": 3750,
+             "stone_step": 1e-6, "element_step": 1e-5, "duration": 0.5,
+             "minutes": {"convex": (303, 85, 122, 96), "non_convex": (495, 256, 144, 95)}}
+PEAK = 0.005  # MPa, least prominence of a peak of compression along the track
+CORES = 8  # of the study's computer, besides its graphics processor
+
+
+def prepare(program, folder):
+    """Curves of the modulus, and libraries of stones unless they exist."""
+    meshes, hulls = [], []
+    for seed in range(1, ROCKS + 1):
+        vertices, triangles = rocks.rock(seed)
+        for found, name, mesh in ((meshes, f"rock_{seed}", (vertices, triangles)),
+                                  (hulls, f"rock_{seed}_hull", rocks.hull(vertices))):
+            found.append(folder / f"{name}.obj")
+            found[-1].write_text(rocks.obj(*mesh), encoding="utf-8")
+    for shape, files in (("convex", hulls), ("non_convex", meshes)):
+        library, kept = folder / f"{shape}.h5", folder / f"{shape}.key"
+        key = "\n".join([hashlib.sha256(pathlib.Path(program).read_bytes()).hexdigest(),
+                         f"{SIZE} {PARTS[shape]} {CORNERS}",
+                         *(file.read_text(encoding="utf-8") for file in files)])
+        if library.is_file() and kept.is_file() and kept.read_text(encoding="utf-8") == key:
+            continue
+        ran = launch.run([program, "shapes", *files, "--unit", f"{SIZE}", "--parts",
+                          f"{PARTS[shape]}", "--vertices", f"{CORNERS}", "--library", library],
+                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        if ran.returncode:
+            launch.fail(ran, f"{shape} stones")
+        kept.write_text(key, encoding="utf-8")
+    x = np.linspace(0, 6, 61)
+    for width, file in WIDTHS.items():
+        young = SOFT + (HARD - SOFT) * (1 + np.tanh((x - MIDDLE) / float(width.split()[0]))) / 2
+        rows = "".join(f"{a:.1f},{b:.5g}\n" for a, b in zip(x, young))
+        (folder / file).write_text("x_m,young_Pa\n" + rows, encoding="utf-8")
+
+
+def of_stones(shape):
+    return ("bed.stone=library", f"bed.library='{{folder}}/{shape}.h5'")
+
+
+def bed(shape, packing, words=()):
+    return Run(f"bed_{shape}_{packing}", SLEEPER,
+               (f"bed.seed={packing}", *of_stones(shape), *FIELDS, *words))
+
+
+def runs(form, ranks):
+    full = form == "full"
+    found = [bed(shape, packing, () if full else COARSE)
+             for packing in (PACKINGS if full else PACKINGS[:1]) for shape in reversed(SHAPES)]
+    found += [Run(ground_run(name), GROUND, words) for name, words in GROUNDS.items()]
+    if full:
+        # The same stones as poured: in a loaded bed their overlaps would have 50 times the energy.
+        found.append(Run("bed_granite", SLEEPER, (
+            "bed.seed=1", *of_stones("convex"), f"material.ballast.young={GRANITE:g}",
+            "stage.cycles.cycles=1", f"stage.cycles.duration={PERIOD:g}", *FIELDS,
+            "start='{folder}/bed_convex_1/stage_fill.h5'")))
+        for shape in SHAPES:
+            words = of_stones(shape)
+            found += [Run(f"bedded_{shape}", SOLIDS, words, ranks),
+                      # The wheels again, so that times are those of the wheels alone.
+                      Run(f"cost_{shape}", SOLIDS,
+                          (*words, f"start='{{folder}}/bedded_{shape}/stage_preload.h5'"), ranks)]
+    return found
+
+
+def ground_run(name):
+    return f"ground_{as_file(name)}"
+
+
+def measure(form, folder, numbers, lines):
+    for shape in SHAPES:
+        measure_shapes(shape, folder / f"{shape}.h5", numbers)
+    for run in runs(form, 1):
+        place = folder / run.name
+        if run.deck == SLEEPER:
+            measure_bed(run.name, place, numbers, lines)
+        elif run.deck == GROUND:
+            measure_ground(run.name, place, numbers, lines)
+        elif run.name.startswith("cost"):
+            measure_cost(run.name, place, numbers)
+        numbers.put(run.name, "wall_time", float(summary(place, "wall_time_s")), "s")
+
+
+def measure_shapes(shape, library, numbers):
+    """Mean volume of stones that pass the same sieve, over that of the sieve's cube."""
+    with h5py.File(library) as file:
+        solid = file["shapes/solid"][()].reshape(-1, 5)
+        pieces = file["shapes/pieces"][()]
+    numbers.put(f"shapes_{shape}", "volume over sieve cubed",
+                float(np.mean(solid[:, 0] / solid[:, 4]**3)), "-")
+    numbers.put(f"shapes_{shape}", "pieces", float(np.mean(pieces)), "-")
+
+
+def slopes(stress, strain, time, cycles):
+    """Slope of stress over strain, Pa, of the loading half of each cycle, by least squares."""
+    found = []
+    for k in range(cycles):
+        rows = np.flatnonzero((time >= k * PERIOD) & (time <= (k + 1) * PERIOD))
+        rise = rows[:int(np.argmax(stress[rows])) + 1]
+        if len(rise) < 0.2 * len(rows):
+            raise read.Unreadable(f"cycle {k + 1}: the largest stress is at its begin")
+        found.append(np.polyfit(strain[rise], stress[rise], 1)[0])
+    return np.array(found)
+
+
+def measure_bed(name, place, numbers, lines):
+    """Of the repeated loads: settlements in mm, stiffness in MPa, forces in kN."""
+    run = read.results(place)
+    names = [stage["name"] for stage in run.deck["stage"]]
+    z = run.sleeper["displacement"].values
+    placed = z[np.flatnonzero(run.stage == names.index("sleepers"))[0]]
+    rows = np.flatnonzero(run.stage == names.index("cycles"))
+    time, cycles = run.time[rows] - run.time[rows[0]], run.deck["stage"][-1]["cycles"]
+    down, height = z[rows[0]] - z[rows], HEIGHT + z[rows[0]] - placed
+    stress = run.sleeper["reaction"].values[rows] / AREA
+    stiffness = np.mean([slopes(stress[:, k], down[:, k] / height[k], time, cycles)
+                         for k in range(down.shape[1])], axis=0)
+    numbers.put(name, "sinkage before the cycles", 1e3 * (placed - z[rows[0]]).mean(), "mm")
+    settled = 1e3 * down.mean(axis=1)
+    for k, value in enumerate(stiffness):
+        inside = (time >= k * PERIOD) & (time <= (k + 1) * PERIOD)
+        numbers.put(name, f"stiffness, cycle {k + 1}", 1e-6 * value, "MPa")
+        numbers.put(name, f"lowest level, cycle {k + 1}", settled[inside].max(), "mm")
+        numbers.put(name, f"settlement, cycle {k + 1}", settled[inside][-1], "mm")
+    ends = [settled[(time >= k * PERIOD) & (time <= (k + 1) * PERIOD)][-1] for k in range(cycles)]
+    numbers.put(name, SETTLED, ends[-1] - ends[0], "mm")
+    numbers.put(name, "largest stress", 1e-3 * stress.max(), "kPa")
+    numbers.put(name, "least stress", 1e-3 * stress.min(), "kPa")
+    for what in ("porosity", "coordination"):
+        values = np.ravel(run.regions["bed"][what].values[rows[0]])
+        numbers.put(name, what, float(values[0]), "-")
+    numbers.put(name, "stones", float(summary(place, "dem", "particles")), "-")
+    numbers.put(name, "stone steps per second and core",
+                float(summary(place, "dem", "particle_steps_per_second_per_core")), "1/s")
+    resultant = run.regions["bed"]["largest_stone_force"].values[rows]
+    numbers.put(name, "largest resultant on a stone", 1e-3 * float(resultant.max()), "kN")
+    forces = 1e-3 * contact_forces(place)
+    numbers.put(name, "largest contact force", forces.max(), "kN")
+    numbers.put(name, "mean contact force", forces.mean(), "kN")
+    numbers.put(name, "contact force of 99.9 % of all", np.quantile(forces, 0.999), "kN")
+    count, edges = np.histogram(np.clip(forces, FORCES[0], None), FORCES)
+    lines.put("forces", name, np.sqrt(edges[1:] * edges[:-1]), 100 * count / len(forces))
+    lines.put("settlement", name, time[::4], settled[::4])
+    lines.put("loop", name, 1e3 * down[::2, 0] / height[0], 1e-3 * stress[::2, 0])
+
+
+def contact_forces(place):
+    """N, of all contacts in the field files of the cycles."""
+    found = []
+    for file in read.fields(place, "cycles", "contacts").values():
+        with h5py.File(file) as data:
+            found.append(data["VTKHDF/CellData/force_size"][()])
+    return np.concatenate(found)
+
+
+def principal(stress):
+    """Principal stresses of rows xx yy zz xy yz zx, ascending."""
+    xx, yy, zz, xy, yz, zx = stress.T
+    return np.linalg.eigvalsh(np.stack([xx, xy, zx, xy, yy, yz, zx, yz, zz], axis=1).reshape(
+        -1, 3, 3))
+
+
+def measure_ground(name, place, numbers, lines):
+    """Largest tension and compression due to the load, over depth and width, along the track."""
+    file = list(read.fields(place, "load", "ground").values())[-1]
+    with h5py.File(file) as data:
+        points, cells = data["VTKHDF/Points"][()], data["VTKHDF/Connectivity"][()]
+        offsets, stress = data["VTKHDF/Offsets"][()], data["VTKHDF/CellData/stress_change"][()]
+    centre = points[cells.reshape(len(offsets) - 1, -1)].mean(axis=1)
+    of = principal(stress)
+    x, place_of = np.unique(np.round(centre[:, 0], 4), return_inverse=True)
+    largest = {what: np.full(len(x), -np.inf) for what in ("tension", "compression")}
+    np.maximum.at(largest["tension"], np.ravel(place_of), 1e-6 * of[:, 2])
+    np.maximum.at(largest["compression"], np.ravel(place_of), -1e-6 * of[:, 0])
+    for what, values in largest.items():
+        lines.put(what, name, x, values)
+    tension, compression = largest["tension"], largest["compression"]
+    ends = (x < 1) | (x > 5)
+    numbers.put(name, "tension, largest", tension.max(), "MPa")
+    numbers.put(name, "tension, x of the largest", x[np.argmax(tension)], "m")
+    numbers.put(name, "tension, largest near the ends", tension[ends].max(), "MPa")
+    numbers.put(name, "compression, mean up to 1.2 m", compression[x < 1.2].mean(), "MPa")
+    numbers.put(name, "compression, mean from 4.8 m", compression[x > 4.8].mean(), "MPa")
+    numbers.put(name, "compression, largest", compression.max(), "MPa")
+    numbers.put(name, "compression, x of the largest", x[np.argmax(compression)], "m")
+    peaks = scipy.signal.find_peaks(compression, prominence=PEAK)[0]
+    if len(peaks) > 1:
+        numbers.put(name, "compression, median of peaks", np.median(compression[peaks]), "MPa")
+        numbers.put(name, "compression, median distance of peaks",
+                    np.median(np.diff(x[peaks])), "m")
+
+
+def measure_cost(name, place, numbers):
+    """Of the wheels alone."""
+    numbers.put(name, "stones", float(summary(place, "dem", "particles")), "-")
+    numbers.put(name, "ranks", float(summary(place, "ranks")), "-")
+    numbers.put(name, "elements", float(summary(place, "ground", "elements")), "-")
+    numbers.put(name, "stone steps per second and core",
+                float(summary(place, "dem", "particle_steps_per_second_per_core")), "1/s")
+    numbers.put(name, "element steps per second and core",
+                float(summary(place, "ground", "element_steps_per_second_per_core")), "1/s")
+    for what in ("dem", "ground", "track", "coupling"):
+        numbers.put(name, f"time, {what}", 100 * float(summary(place, "share", what)), "%")
+
+
+def of(numbers, shape, quantity):
+    """Of all packings."""
+    return [numbers(f"bed_{shape}_{packing}", quantity) for packing in PACKINGS
+            if numbers.has(f"bed_{shape}_{packing}")]
+
+
+def mean(numbers, shape, quantity):
+    return float(np.mean(of(numbers, shape, quantity)))
+
+
+def error(numbers, shape, quantity):
+    """Standard error of the mean over the packings; 0 of one packing."""
+    found = of(numbers, shape, quantity)
+    return float(np.std(found, ddof=1) / len(found)**0.5) if len(found) > 1 else 0.0
+
+
+def error_of_difference(numbers, quantity):
+    """Standard error of the difference of the means of both shapes."""
+    return float(np.hypot(*(error(numbers, shape, quantity) for shape in SHAPES)))
+
+
+LAST = f"cycle {CYCLES['cycles']}"
+SETTLED = "settlement after the first cycle"
+BED, COST = "Convex and non-convex stones", "Cost"
+
+
+def predicted(numbers, shape, cores=CORES):
+    """Minutes of stones and of the ground's hexahedra for the study's benchmark, from the measured
+    rates."""
+    run, bench = f"cost_{shape}", BENCHMARK
+    steps = bench["duration"] / bench["stone_step"], bench["duration"] / bench["element_step"]
+    return (bench["stones"][shape] * steps[0]
+            / numbers(run, "stone steps per second and core") / cores / 60,
+            bench["elements"] * steps[1]
+            / numbers(run, "element steps per second and core") / cores / 60)
+
+
+CLOSE = 0.15  # relative, of values given as "around"; twice that of the difference of two
+GROUND_RUN = ground_run("as in the deck")
+
+
+def targets(n):
+    stiff = f"stiffness, {LAST}"
+    stiffness = {shape: mean(n, shape, stiff) for shape in SHAPES}
+    ratio = stiffness["non_convex"] / stiffness["convex"]
+    less = mean(n, "convex", SETTLED) - mean(n, "non_convex", SETTLED)
+    certain = len(of(n, "convex", SETTLED)) > 1 and less > 2 * error_of_difference(n, SETTLED)
+    ratios = tuple(b / a for a, b in zip(of(n, "convex", stiff), of(n, "non_convex", stiff)))
+    found = [
+        Target("stiffness of the bed, convex stones", "main", "around 430 MPa",
+               stiffness["convex"], "MPa", 430, CLOSE, each=tuple(of(n, "convex", stiff)), see=BED),
+        Target("stiffness of the bed, non-convex stones", "main", "around 540 MPa",
+               stiffness["non_convex"], "MPa", 540, CLOSE, each=tuple(of(n, "non_convex", stiff)),
+               see=BED),
+        Target("non-convex stones make the bed stiffer by", "main", "26 %", 100 * (ratio - 1), "%",
+               26, 2 * CLOSE, sign=ratio > 1, each=tuple(100 * (each - 1) for each in ratios),
+               see=BED),
+        Target("sleepers settle less with non-convex stones after the first cycle, by", "main",
+               "5 mm in 50 cycles", less, "mm", holds=certain, see=BED)]
+    if len(of(n, "convex", "stones")) > 1:
+        scatter = {shape: float(np.std(of(n, shape, SETTLED), ddof=1)) for shape in SHAPES}
+        found.append(Target(
+            "scatter of this settlement between packings, non-convex over convex", "soft",
+            "smaller", scatter["non_convex"] / scatter["convex"], "",
+            holds=scatter["non_convex"] < scatter["convex"], see=BED))
+    force = {shape: max(of(n, shape, "largest contact force")) for shape in SHAPES}
+    tension, ends = (n(GROUND_RUN, f"tension, {what}")
+                     for what in ("largest", "largest near the ends"))
+    where = n(GROUND_RUN, "tension, x of the largest")
+    levels = [n(GROUND_RUN, f"compression, mean {part}") for part in ("up to 1.2 m", "from 4.8 m")]
+    rise = n(GROUND_RUN, "compression, largest") / n(GROUND_RUN, "compression, median of peaks")
+    peak = n(GROUND_RUN, "compression, x of the largest")
+    found += [
+        Target("largest contact force, convex stones", "soft", "1.5 kN on a stone",
+               force["convex"], "kN", 1.5, CLOSE, see=BED),
+        Target("largest contact force, non-convex stones", "soft", "12 kN on a stone",
+               force["non_convex"], "kN", 12, CLOSE, see=BED),
+        Target("largest tension in the ground", "main", "0.1 MPa", tension, "MPa", 0.1, CLOSE,
+               sign=tension > 1.5 * ends),
+        Target("x of the largest tension", "main", "3 m, steepest stiffness", where, "m", 3, CLOSE,
+               sign=2 < where < 4),
+        Target("largest compression, in the middle, over the median of the peaks below sleepers",
+               "main", "sudden increase", rise, "", holds=2 < peak < 4 and rise > 1,
+               sign=rise > 1),
+        Target("mean compression at the stiff end over that at the soft end", "soft",
+               "similar", levels[1] / levels[0], "", 1, CLOSE)]
+    if n.has("cost_convex"):
+        slower = (n("cost_convex", "stone steps per second and core")
+                  / n("cost_non_convex", "stone steps per second and core"))
+        found.append(Target("time per stone and step, non-convex over convex", "soft", "3.0",
+                            slower, "", 3, CLOSE, see=COST))
+    return found
