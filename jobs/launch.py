@@ -34,7 +34,7 @@ class Runs:
             if signal.getsignal(number) is not signal.SIG_IGN:  # nohup
                 signal.signal(number, self.request_stop)
 
-    def ignore(self):
+    def stop_listening(self):
         """Signals end the script at once again, as there are no runs."""
         if threading.current_thread() is not threading.main_thread():
             return
@@ -138,7 +138,7 @@ def together(works, slots):
             RUNS.stop_reported = True  # the reason of the end is known
             RUNS.request_stop()
             raise
-    RUNS.ignore()
+    RUNS.stop_listening()
 
 
 def run(command, then="the same command runs it again", **how):

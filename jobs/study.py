@@ -125,12 +125,13 @@ def document_of(name, numbers):
     times = [value for (_, quantity), (value, _) in numbers.rows.items()
              if quantity == "wall_time"]
     summary = text.summary(numbers) if hasattr(text, "summary") else ""
+    targets = study.targets(numbers)
     head = HEAD.format(title=text.TITLE, source=text.SOURCE, criterion=text.CRITERION,
                        summary=summary,
                        command=numbers.about["command"], runs=len(times), minutes=sum(times) / 60,
                        cores=numbers.about["machine"], version=numbers.about["version"],
-                       counted=counted(study.targets(numbers)),
-                       targets=targets_table(study.targets(numbers)))
+                       counted=counted(targets),
+                       targets=targets_table(targets))
     return reflowed(head + text.document(numbers))
 
 

@@ -8,7 +8,6 @@ Stones are compared on a slice of the track (inputs/demfem/sleeper.toml); the gr
 import hashlib
 import pathlib
 import subprocess
-import tomllib
 
 import h5py
 import numpy as np
@@ -17,16 +16,11 @@ import scipy.signal
 import launch
 
 from . import rocks
-from .study import INPUTS, Run, Target, as_file, summary
+from .study import Run, Target, as_file, deck_of, summary
 
 from trackbed_post import read  # noqa: I001 (found by .study)
 
 SLEEPER, GROUND, SOLIDS = "demfem/sleeper.toml", "demfem/ground.toml", "demfem/solids.toml"
-
-
-def deck_of(name):
-    with open(INPUTS / name, "rb") as file:
-        return tomllib.load(file)
 
 
 DECK, GROUND_DECK = deck_of(SLEEPER), deck_of(GROUND)

@@ -5,12 +5,11 @@ The ground is modelled twice: in space (inputs/track/netirail.toml) and in the f
 own model, a plane ground of the width of its layers (inputs/track/netirail_2d.toml).
 """
 import math
-import tomllib
 
 import h5py
 import numpy as np
 
-from .study import INPUTS, Run, Target, as_file, summary
+from .study import Run, Target, as_file, deck_of, summary
 
 from trackbed_post import transition  # noqa: I001 (found by .study)
 
@@ -18,8 +17,7 @@ SPACE, PLANE = "track/netirail.toml", "track/netirail_2d.toml"
 MIRROR = 83.4  # m, x of the track plus that of its mirror image
 BRIDGE_ENDS, BACKFILL = 17.7, 6.0  # m, x of the track and of the ground where the bridge ends
 NEAR, FAR = "14.7 m", "41 m"  # distances of the points from the bridge
-with open(INPUTS / PLANE, "rb") as _file:
-    DECK = tomllib.load(_file)
+DECK = deck_of(PLANE)
 LAYERS, BLOCKS = ({one["name"]: one for one in DECK["ground"][kind]} for kind in ("layer", "block"))
 SLEEPER, SPEED = DECK["track"]["sleeper_mass"], DECK["train"]["speed"]  # kg, m/s
 WHEELBASE = 2.7  # m

@@ -41,7 +41,7 @@ def rock(seed, dents=3, depth=0.45, width=0.75):
     directions, triangles = sphere()
     normals = random.normal(size=(14, 3))
     normals /= np.linalg.norm(normals, axis=1)[:, None]
-    planes = np.concatenate([normals, -normals[:4]])  # some nearly parallel faces
+    planes = np.concatenate([normals, -normals[:4]])  # four pairs of parallel ones
     distance = random.uniform(0.75, 1.0, len(planes))
     facing = np.maximum(directions @ planes.T, 1e-9)
     radius = np.minimum((distance / facing).min(axis=1), 1.4)

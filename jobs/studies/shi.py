@@ -6,30 +6,24 @@ boundaries and speeds, as its ground alone under the same seat loads (inputs/shi
 short form has the shorter transition of inputs/shi/short.toml.
 """
 import re
-import tomllib
 
 import h5py
 import numpy as np
 import scipy.optimize
 
-from .study import INPUTS, Lines, Run, Target, as_file, summary
+from .study import Lines, Run, Target, as_file, deck_of, summary
 
 from trackbed_post import measures, read, signals  # noqa: I001 (found by .study)
 
 STONES, SHORT, GROUND = "shi/transition.toml", "shi/short.toml", "shi/ground.toml"
 
 
-def deck_of(name):
-    with open(INPUTS / name, "rb") as file:
-        return tomllib.load(file)
-
-
 DECK, ALONE = deck_of(STONES), deck_of(GROUND)
 LOAD = DECK["load"]
+DECAY = 1.54257  # 1/m, of the seat loads: the default of load.decay, which the decks leave
 EDGE = 2.0  # m, x where the structure ends
 S1, S2 = 6.1, 15.7  # m, x of a sleeper above the wedge and of one beyond it, chosen here
 SPACING = DECK["sleepers"]["spacing"]  # m
-BLOCKS = {block["name"]: block for block in ALONE["ground"]["block"]}
 NO_WEDGE = tuple(f"ground.block.{name}.present=false" for name in ("wedge", "wedge_surface"))
 DESIGNS = {"none": NO_WEDGE, "wedge": ()}
 TITLES = {"none": "without wedge", "wedge": "with wedge"}
@@ -122,9 +116,12 @@ def wedge_of(outline, reach):
 
 
 # An HXD1 unit of 100 t as a vehicle: masses, inertias and suspension are chosen here.
+MASSES = {"body": 60000, "bogie": 15000, "wheelset": 2500}  # kg
+WHEEL = (MASSES["body"] + 2 * MASSES["bogie"] + 4 * MASSES["wheelset"]) / 8 * GRAVITY  # N, at rest
 VEHICLE = ("passage.loaded_by=train", "load={}", 'train.vehicles=["hxd1"]',
-           'vehicle=[{name="hxd1",kind="coach",length=17.6,body_mass=60000,bogie_mass=15000,'
-           "wheelset_mass=2500,primary_stiffness=4e6,primary_damping=60e3,secondary_stiffness="
+           'vehicle=[{name="hxd1",kind="coach",length=17.6,'
+           + "".join(f"{part}_mass={mass}," for part, mass in MASSES.items()) +
+           "primary_stiffness=4e6,primary_damping=60e3,secondary_stiffness="
            "1.2e6,secondary_damping=120e3,bogie_distance=9.0,wheelbase=2.8}]",
            f"train.speed={LOAD['speed']}", "train.start=0", "rail.section=CHN60",
            "pad.stiffness=100e6", "pad.damping=50e3", "passage.duration=2.1")
@@ -176,7 +173,8 @@ def runs(form, ranks):
     del ranks  # runs side by side use them better than one run on all of them
     found = []
     if form == "short":
-        words = ("material.ballast.density=2090", sensors(deck_of(SHORT)))
+        words = (f"material.ballast.density={DECK['material'][0]['density']}",
+                 sensors(deck_of(SHORT)))
         found += [Run("short_wedge", SHORT, words),
                   Run("short_none", SHORT, (*words, *NO_WEDGE,
                                             "start='{folder}/short_wedge/stage_trains.h5'"))]
@@ -263,9 +261,8 @@ def measure_ground(name, place, numbers, lines):
         acceleration = file["history/sleeper/acceleration"][()]
     x = np.array(seats(DECK))
     down = {what: -1e3 * values.min(axis=0) for what, values in of.items()}
-    put_surface(name, x, down["ground"], 17, numbers, lines)
+    put_surface(name, x, down["ground"], DECK["ground"]["x"][1], numbers, lines)
     numbers.put(name, "sleeper, structure", down["sleeper"][x < EDGE].mean(), "mm")
-    numbers.put(name, "sleeper, far", np.median(down["sleeper"][x >= 15]), "mm")
     put_acceleration(name, np.abs(FILTER(time, acceleration)).max(axis=0) / GRAVITY, numbers)
     largest = 1e-3 * force.max(axis=0)
     numbers.put(name, "ballast force, structure", largest[x < EDGE].mean(), "kN")
@@ -504,11 +501,11 @@ def reduction(numbers, of):
     return float(wedge / none - 1)
 
 
-def load_of_seats(speed=LOAD["speed"]):
+def load_of_seats():
     """N, the largest seat load of the four axles together: each lifts the seats of others."""
     time = np.linspace(0, 2, 20001)
-    s = speed * time[:, None] - 3 - np.array(LOAD["axles"])
-    decay = 1.54257 * np.abs(s)
+    s = LOAD["speed"] * time[:, None] + LOAD["start"] - np.array(LOAD["axles"])
+    decay = DECAY * np.abs(s)
     return float((LOAD["peak"] * np.exp(-decay) * (np.cos(decay) + np.sin(decay))).sum(
         axis=1).max())
 

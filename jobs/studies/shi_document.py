@@ -5,10 +5,10 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from .shi import (AXLE_AT, BOUNDARIES, CONVERGENCE, DECK, DESIGNS, EDGE, FIXED,  # noqa: E402
-                  KEPT, LOAD, LOADED, MEAN_STRESS, OPEN, PACKINGS, PUBLISHED_STONES, S1, S2,
-                  SAMPLED, SPEEDS, TITLES, WEDGES, cases, change, jump, jump_of_means,
-                  load_of_seats, mean, reduction, values)
+from .shi import (AXLE_AT, BOUNDARIES, CONVERGENCE, DECAY, DECK, DESIGNS, EDGE,  # noqa: E402
+                  FIXED, KEPT, LOAD, LOADED, MEAN_STRESS, OPEN, PACKINGS, PUBLISHED_STONES, S1, S2,
+                  SAMPLED, SPACING, SPEEDS, TITLES, WEDGES, WHEEL, cases, change, jump,
+                  jump_of_means, load_of_seats, mean, reduction, values)
 from .study import COLOURS, as_file, heading, percent, save, table  # noqa: E402
 
 TITLE = "shi: a locomotive from a rigid structure to an embankment"
@@ -21,7 +21,8 @@ one digit within 25 %, frequencies within 3 %; "gradual" means more than twice t
 wedge. Of stones, the table gives the mean and the range over all packings; accelerations and
 spectra are those of packings in which all sleepers keep their support."""
 STYLES = {"none": {"color": COLOURS[1]}, "wedge": {"color": COLOURS[0]}}
-LOADING = next(stage for stage in DECK["stage"] if stage["name"] == "bed_in")
+LOADING, TRAINS = (next(stage for stage in DECK["stage"] if stage["name"] == name)
+                   for name in ("bed_in", "trains"))
 REFERENCE = "reference: fixed base, rollers at the sides, 1.3 m thick"
 THIN = "ground 1 m thick, viscous sides"
 NAMES = {  # in tables
@@ -121,10 +122,10 @@ Assumed, as the study shows it only in drawings, which are not available here, o
   the study's dashpots and free-field sides, see "Boundaries";
 - the preparation: stones are poured without friction, which gives a dense bed, then
   {LOADING["cycles"]} loads of {1e-3 * LOADING["load"]:.0f} kN act on all sleepers at once, then
-  five trains pass. The last of them still moves one of the sleepers down for good by
+  {TRAINS["cycles"]} trains pass. The last of them still moves one of the sleepers down for good by
   {span(n, "wedge", "settlement in the last train of the preparation")} mm, so the bed is not yet
-  stable. Stresses and displacements count from the begin of the measured passage, with 5 kN on each
-  seat.
+  stable. Stresses and displacements count from the begin of the measured passage, with
+  {1e-3 * TRAINS["seat_force"]:.0f} kN on each seat.
 
 The study's bulk density of about 1800 kg/m3 with stones of 2600 means 69 % of solids, our plane bed
 has {100 * bulk / density:.0f} %: either its packing is looser, or its density is that of a bed in
@@ -232,9 +233,10 @@ on what the study leaves open:
 The study gives the stones a thickness of 1.3 m; whether its ground has it, too, it does not state.
 With 1 m, the usual thickness of a plane ground, and viscous sides the ground alone has
 {thin["none"][0]} mm on the structure, {thin["none"][1]} mm at 6 to 11 m and {thin["none"][2]} mm in
-the last 2 m without wedge, and {thin["wedge"][2]} mm in the last 2 m with it: near the published
-0.02, 1.8 and 1.64 mm, if these are the largest along the track. The last 2 m go down farther
-because the ground ends there: one 8 m longer does not do it (see "Convergence"). With stones:
+the last 2 m without wedge, and {thin["wedge"][2]} mm in the last
+2 m with it. The published 0.02, 1.8 and 1.64 mm may be the largest along the track. The last 2 m go
+down farther because the ground ends there: one 8 m longer does not do it (see "Convergence"). With
+stones:
 
 {ground_table("", stones_rows(n, (("the same, ground 1 m thick, viscous sides", "thin"),)))}"""
 
@@ -321,6 +323,8 @@ def part_sleepers(n):
                                           ("fastest cell of stones", "x of it, stones",
                                            "fastest cell of ground", "x of it, ground")))
               for at in AXLE_AT]
+    lost = ("" if n("stones_wedge_1", "kept, most") <= KEPT else
+            ", in which with wedge a sleeper loses its support")
     return heading("Sleepers and ballast") + f"""
 ![Displacement and acceleration of sleepers and of the ballast below them](sleepers.png)
 
@@ -329,13 +333,14 @@ def part_sleepers(n):
 The study measures sleeper S1 on the transition and S2 on plain track; it does not state their x,
 here {S1:g} and {S2:g} m. Spectra are the root mean square over all sleepers. The spectrum of the
 load is that of the seat forces times the frequency squared: the acceleration of sleepers that
-follow the load without delay. Its peaks lie at {LOAD["speed"] / 9:.2f} Hz (v/9.0 m) and between
+follow the load without delay. Its peaks lie near {LOAD["speed"] / 9:.2f} Hz (v/9.0 m) and between
 three times that and v/2.8 m = {LOAD["speed"] / 2.8:.2f} Hz. A record of 1.8 s resolves 0.55 Hz;
 peaks are read from a spectrum with zeros appended.
 
 The study sees three sleepers ahead of an axle move down. Here they are
 {span(n, "wedge", "sleepers moving down ahead")} with wedge, counted above a tenth of the fastest;
-as the formula of the loads already loads seats up to 2 m ahead, this is no test.
+as
+the load of the formula increases from 2 m ahead of an axle on, this is no test.
 
 Sleepers that may rotate, without the restraint of a rail:
 
@@ -347,8 +352,8 @@ sampled 100 times per second. Ground alone on springs, largest accelerations aft
                    for what in ("smallest", "median", "largest"))], sampled)}
 ![Velocity of ballast and ground when the first axle is at three places](maps.png)
 
-The arrows are mean velocities in cells of 0.6 x 0.2 m (stones) and 1 x 0.8 m (ground) of packing 1
-(with wedge its sleeper at 12.7 m is losing its support); the fastest cells:
+The arrows are mean velocities in cells of 0.6 x 0.2 m (stones) and 1 x 0.8 m (ground) of packing
+1{lost}; the fastest cells:
 
 {table(["", *(f"{TITLES[design]}: {what}" for design in DESIGNS for what in
               ("stones, mm/s", "at x, m", "ground, mm/s", "at x, m"))], moving)}"""
@@ -391,12 +396,12 @@ def part_vehicle(n):
                   ("structure, kN", "most, kN", "last 2 m, kN", "ground in the last 2 m, mm"))]
     ratios = [n(f"ground_none_{as_file(name)}", "ballast force, structure")
               / n(f"ground_none_{as_file(name)}", "ballast force, far") for _, name in runs]
-    implied = 2e-3 * LOAD["peak"] / (1.54257 * 0.6)
+    implied = 2e-3 * LOAD["peak"] / (DECAY * SPACING)
     return heading("A vehicle instead of prescribed loads") + f"""
 A unit of 100 t with axles at the published distances (masses of body, bogies and wheelsets and
 springs are chosen here) runs over a rail CHN60 on pads of 100 MN/m. Compare ratios only: its wheels
-carry 123 kN at rest, the formula of the published seat load belongs to a wheel load of
-{implied:.0f} kN. Largest force between sleepers and ground:
+carry {1e-3 * WHEEL:.0f} kN at rest, the formula of the published seat load belongs to a wheel load
+of {implied:.0f} kN. Largest force between sleepers and ground:
 
 {table(head, rows)}
 Without wedge, sleepers on the structure carry {ratios[1]:.2f} times the force of those in the last

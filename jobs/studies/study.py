@@ -20,11 +20,18 @@ import pathlib
 import re
 import sys
 import textwrap
+import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 INPUTS = ROOT / "inputs"
 sys.path.insert(0, str(ROOT / "postproc"))
 from trackbed_post import read  # noqa: E402, F401 (of all studies)
+
+def deck_of(name):
+    """The deck `name` below inputs/."""
+    with open(INPUTS / name, "rb") as file:
+        return tomllib.load(file)
+
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")  # for colour blindness (Okabe, Ito)
 

@@ -186,9 +186,9 @@ def test_cells_have_the_mean_velocity_of_their_points():
 
 
 def test_sampled_loads_are_those_of_the_formula():
-    rows = np.loadtxt(shi.INPUTS / "shi/seat_load_100hz.csv", delimiter=",", skiprows=1)
+    rows = np.loadtxt(study.INPUTS / "shi/seat_load_100hz.csv", delimiter=",", skiprows=1)
     s = shi.LOAD["speed"] * (rows[:, 0] - 0.25)
-    b = 1.54257
+    b = shi.DECAY
     force = sum(np.exp(-b * np.abs(s - at)) * (np.cos(b * np.abs(s - at))
                 + np.sin(b * np.abs(s - at))) for at in shi.LOAD["axles"]) * shi.LOAD["peak"]
     assert np.allclose(rows[1:-1, 1], force[1:-1], atol=0.6) and np.all(np.diff(rows[:, 0]) > 0)
