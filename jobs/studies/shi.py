@@ -27,7 +27,7 @@ SPACING = DECK["sleepers"]["spacing"]  # m
 NO_WEDGE = tuple(f"ground.block.{name}.present=false" for name in ("wedge", "wedge_surface"))
 DESIGNS = {"none": NO_WEDGE, "wedge": ()}
 TITLES = {"none": "without wedge", "wedge": "with wedge"}
-PACKINGS = (1, 2, 3)  # seeds
+PACKINGS = (1, 2, 3, 4, 5)  # seeds
 FILTER = signals.LowPass(100)  # Hz, as in the study
 GRAVITY = 9.81
 BELOW = 0.20  # m above the ground: sensors in the ballast, 0.15 m below the sleepers
@@ -61,15 +61,6 @@ def thinner(metres):
               for key in ("young", "density")))
 
 
-# Changes of a run on the stones of packing 1: on which grounds, words.
-VARIANTS = {
-    "pitch": (tuple(DESIGNS), ('sleepers.free=["z","ry"]',)),
-    "viscous": (tuple(DESIGNS), ("ground.base=viscous", "ground.base_stiffness=1e8",
-                                 "ground.sides=viscous")),
-    "thin": (tuple(DESIGNS), thinner(1.0)),
-    "soft": (("none",), stiffness(2.5e8)),
-    "stiff": (("none",), stiffness(1e9)),
-}
 
 
 def stones(packing):
@@ -81,10 +72,22 @@ def stones(packing):
                 (*words, *NO_WEDGE, f"start='{{folder}}/{wedge}/stage_trains.h5'"))]
 
 
-def variant(name, design):
-    return Run(f"stones_{design}_{name}", STONES,
-               ("bed.seed=1", sensors(DECK), *DESIGNS[design], *VARIANTS[name][1],
-                "start='{folder}/stones_wedge_1/stage_trains.h5'"))
+def on_packing_1(name, design, *words, start="stones_wedge_1/stage_trains.h5"):
+    return Run(f"stones_{design}_{as_file(name)}", STONES,
+               ("bed.seed=1", sensors(DECK), *DESIGNS[design], *words,
+                f"start='{{folder}}/{start}'"))
+
+
+def variants():
+    """Runs on the stones of packing 1, with changes."""
+    found = [on_packing_1(name, design, *words) for name, words in STONES_BOTH.items()
+             for design in DESIGNS]
+    found += [on_packing_1(name, "none", *words) for name, words in STONES_NONE.items()]
+    found += [on_packing_1(name, "wedge", *words) for name, words in WEDGES.items()]
+    # The bed after more trains, in the place of the usual number of them.
+    trained = on_packing_1(TRAINED, "wedge", f"stage.trains.cycles={MANY_TRAINS}",
+                           start="stones_wedge_1/stage_bed_in.h5")
+    return [*found, trained, on_packing_1(TRAINED, "none", start=f"{trained.name}/stage_trains.h5")]
 
 
 # Maps of the velocity when the first axle is here, m: field files at each metre of the train.
@@ -126,6 +129,8 @@ VEHICLE = ("passage.loaded_by=train", "load={}", 'train.vehicles=["hxd1"]',
            f"train.speed={LOAD['speed']}", "train.start=0", "rail.section=CHN60",
            "pad.stiffness=100e6", "pad.damping=50e3", "passage.duration=2.1")
 SPEEDS = (40, 120, 200, 270, 350)  # km/h, besides that of the study
+MANY_TRAINS = 20  # of the preparation, in the place of those of the deck
+SHOWN_TRAINS = (1, 2, 5, 10, 20)
 # Variants of the ground alone: title -> words. The first is that of the deck.
 FIXED = "as in the deck: fixed base, rollers at the sides"
 BOUNDARIES = {
@@ -165,6 +170,23 @@ TABLE = (f'load={{kind="table",file="{{inputs}}/shi/seat_load_100hz.csv",speed={
          "passage.duration=2.34")
 
 
+# Changes of runs on the stones of packing 1, on both grounds or on that without wedge.
+STONES_BOTH = {
+    "pitch": ('sleepers.free=["z","ry"]',),
+    "viscous": ("ground.base=viscous", "ground.base_stiffness=1e8", "ground.sides=viscous"),
+    "thin": thinner(1.0),
+    SAMPLED: TABLE[:1],
+    LOADED: (*(word for word in VEHICLE if not word.startswith("passage.")),
+             "stage.moving_train.train=true", "stage.passage.train=true"),
+}
+STONES_NONE = {
+    "soft": stiffness(2.5e8),
+    "stiff": stiffness(1e9),
+    "half the step": ("time.window=1.735e-5", "time.step=0.8675e-5"),
+}
+TRAINED = "more trains"
+
+
 def ground(name, design, *words):
     return Run(f"ground_{design}_{as_file(name)}", GROUND, (*DESIGNS[design], *words))
 
@@ -181,8 +203,7 @@ def runs(form, ranks):
         return found + [ground(FIXED, design) for design in DESIGNS]
     for packing in PACKINGS:
         found += stones(packing)
-    found += [variant(name, design) for name, (designs, _) in VARIANTS.items()
-              for design in designs]
+    found += variants()
     found += [maps(design) for design in DESIGNS]
     for design in DESIGNS:
         found += [ground(name, design, *words)
@@ -304,29 +325,34 @@ def fluctuation(values):
     return np.abs(np.diff(values)).mean() / values.mean()
 
 
-def put_spectra(name, time, run, rows, numbers, lines):
-    """Peaks of the spectrum of the sleepers' acceleration, and of the quasi-static one, that of the
-    seat forces times the frequency squared. Root mean square over all sleepers."""
+def put_spectra(name, time, run, rows, stones_velocity, numbers, lines):
+    """Peaks of the spectra of the accelerations of sleepers and of the ballast below them, and of
+    the quasi-static one, that of the seat forces times the frequency squared. Root mean square over
+    all sleepers."""
     frequency, acceleration = signals.spectrum(
         time, filtered_acceleration(time, run.sleeper["velocity"].values[rows]))
+    _, stones = signals.spectrum(time, filtered_acceleration(time, stones_velocity))
     _, force = signals.spectrum(time, run.sleeper["seat_force"].values[rows])
-    amplitudes = {"acceleration": acceleration, "seat force": force * frequency[:, None]**2}
+    amplitudes = {"acceleration": acceleration, "ballast acceleration": stones,
+                  "seat force": force * frequency[:, None]**2}
+    means = {what: np.sqrt((of**2).mean(axis=1)) for what, of in amplitudes.items()}
     for mark, line in measures.loading_frequencies(run).items():
-        for what, amplitude in amplitudes.items():
-            mean = np.sqrt((amplitude**2).mean(axis=1))
+        for what, mean in means.items():
             peak = signals.peak_near(frequency, mean, line)
             if peak is not None:
                 numbers.put(name, f"{mark}, {what}", peak, "Hz")
     shown = (frequency > 0.2) & (frequency < 15)
-    for what, amplitude in amplitudes.items():
-        mean = np.sqrt((amplitude**2).mean(axis=1))
+    for what, mean in means.items():
         lines.put("spectra", f"{name}, {what}", frequency[shown], (mean / mean[shown].max())[shown])
 
 
 def ahead(x, velocity, time, run):
     """How many sleepers ahead of the first axle move downwards faster than a tenth of the fastest
-    of the five nearest, without a gap: mean over the instants at which it is above a sleeper."""
+    of the five nearest, without a gap: mean over the instants at which it is above a sleeper. None
+    with another kind of load."""
     load = run.deck["load"]
+    if load.get("kind", "winkler") != "winkler" or not load.get("axles", [0]):
+        return None
     counts = []
     for k in range(3, len(x) - 8):
         row = np.searchsorted(time - time[0], (x[k] - load["start"]) / load["speed"])
@@ -362,6 +388,10 @@ def measure_stones(name, place, numbers, lines):
     sleeper = -1e3 * run.sleeper_envelope["displacement_min"].values
     kept = np.abs(1e3 * measures.residual_displacement(run))
     plain = x > EDGE + 1.5
+    seat = -1e-3 * run.sleeper["seat_force"].values[rows].min(axis=0)
+    numbers.put(name, "seat force, structure", seat[x < EDGE].mean(), "kN")
+    numbers.put(name, "seat force, most", seat.max(), "kN")
+    numbers.put(name, "seat force, far", np.median(seat[x >= nodes[-1] - 2]), "kN")
     numbers.put(name, "sleeper, structure", sleeper[x < EDGE].mean(), "mm")
     numbers.put(name, "sleeper, nearest to the edge", sleeper[x < EDGE][-1], "mm")
     numbers.put(name, "sleeper, median beyond", np.median(sleeper[plain]), "mm")
@@ -389,11 +419,26 @@ def measure_stones(name, place, numbers, lines):
         if stage["name"] == "trains":
             numbers.put(name, "settlement in the last train of the preparation",
                         1e3 * stage["settlement_m"], "mm")
+    if TRAINED in name.replace("_", " "):
+        put_trains(name, run, numbers)
     put_histories(name, time, x, run, rows, lines)
     if kept.max() <= KEPT:  # a support that fails shakes its neighbours
         velocity = np.array([of["velocity"].values[rows, 2] for of in below]).T
         put_vibration(name, time, run, rows, velocity, numbers, lines)
     return nodes, surface
+
+
+def put_trains(name, run, numbers):
+    """Settlement of sleepers in each train of the preparation, where it is part of the run."""
+    number = [stage["name"] for stage in run.deck["stage"]].index("trains")
+    rows = np.flatnonzero(run.stage == number)
+    if not len(rows):
+        return
+    ends = np.linspace(rows[0], rows[-1], MANY_TRAINS + 1).round().astype(int)
+    down = -1e3 * np.diff(run.sleeper["displacement"].values[ends], axis=0)
+    for train in SHOWN_TRAINS:
+        numbers.put(name, f"settlement, most, train {train}", down[train - 1].max(), "mm")
+        numbers.put(name, f"settlement, median, train {train}", np.median(down[train - 1]), "mm")
 
 
 def put_vibration(name, time, run, rows, stones_velocity, numbers, lines):
@@ -409,7 +454,7 @@ def put_vibration(name, time, run, rows, stones_velocity, numbers, lines):
     numbers.put(name, "ballast acceleration, median", np.median(shaken), "g")
     numbers.put(name, "ballast acceleration, fluctuation", fluctuation(shaken), "-")
     lines.put("ballast acceleration", name, x, shaken)
-    put_spectra(name, time, run, rows, numbers, lines)
+    put_spectra(name, time, run, rows, stones_velocity, numbers, lines)
     moving = ahead(x, velocity, time, run)
     if moving is not None:
         numbers.put(name, "sleepers moving down ahead", moving, "-")

@@ -27,7 +27,7 @@ def check(source, name, folder):
     stored = {path.name for path in kept.glob("*.png")}
     if not shown == drawn == stored:
         raise SystemExit(f"{name}: shown {shown}, drawn {drawn}, stored {stored}")
-    if not re.search(r"\(trackbed \S+, commit [0-9a-f]{7,}\)", text):
+    if not re.search(r"\(trackbed\s\S+,\scommit\s[0-9a-f]{7,}\)", text):
         raise SystemExit(f"{name}: no version of an unchanged commit in {text[:2000]}")
 
 
