@@ -166,6 +166,10 @@ class LoopDeck:
                       if key not in (*INSTEAD, "train", "name")}
 
     def refuse_others(self):
+        if any(zone.get("spacing", 0) > 0 for zone in self.section("track").get("zone", [])):
+            launch.refuse(f"{self.path}: track.zone: a zone with its own `spacing` is not possible "
+                          "here, as the profiles of the rails have one value per sleeper at equal "
+                          "distances: remove it")
         if self.value("irregularity.kind") != "none":
             launch.refuse(f"{self.path}: the loop sets its own irregularity: remove "
                           "[irregularity]")
@@ -192,7 +196,8 @@ class LoopDeck:
         return {"name": f"trains_{number}", **self.train, "cycles": count}
 
     def seats_on_track(self):
-        """x of the bed's sleepers from the begin of the track, m."""
+        """x of the bed's sleepers from the begin of the track, m. Zones with a spacing of their own
+        are refused: profile and stiffness of the loop's track have one value per sleeper."""
         return self.sleepers["spacing"] * (self.value("seat.before")
                                            + np.arange(self.sleepers["count"]))
 

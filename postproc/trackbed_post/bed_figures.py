@@ -2,7 +2,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measures
+from trackbed_post import measures, read
 
 COLOURS = ("C0", "C1")
 
@@ -128,4 +128,42 @@ def section(runs):
     return figure
 
 
-FIGURES = {"regions": regions, "forces": forces, "grading": grading, "section": section}
+def breakage(runs):
+    """Pebbles that broke off: their number over time, their places, and the grading before and
+    after, with the ballast breakage index."""
+    needs(all(run.breaks for run in runs), "nothing can break in these runs")
+    column = read.BREAK
+    figure, (counts, places, sieves) = plt.subplots(3, 1, figsize=(8, 10))
+    for run, colour, mark in zip(runs, COLOURS, "ox"):
+        rows = list(run.breaks.values())[-1]
+        rows = rows[np.argsort(rows[:, column["time"]])]
+        fragments = np.cumsum(rows[:, column["fragment"]] >= 0)
+        time = rows[:, column["time"]]
+        counts.step(time, fragments, where="post", color=colour, label=f"{run.name}: fragments")
+        counts.step(time, np.arange(1, len(rows) + 1) - fragments, "--", where="post",
+                    color=colour, label=f"{run.name}: fines")
+        places.scatter(rows[:, column["x"]], rows[:, column["z"]], marker=mark, color=colour,
+                       s=(2e3 * rows[:, column["diameter"]])**2 / 8, alpha=0.6,
+                       label=f"{run.name}: {len(rows)} pebbles")
+        stages = measures.stages_of_breakage(run)
+        if stages is None:
+            continue
+        curves = [measures.sieved_with_fines(run, stage) for stage in stages]
+        sizes = np.unique(np.concatenate([of[:, 0] for of in curves]))
+        before, after = (measures.passing(of, sizes) for of in curves)
+        index = measures.breakage_index(sizes, before, after)
+        sieves.plot(1e3 * sizes, before, "--", color=colour, lw=1, label=f"{run.name}, {stages[0]}")
+        sieves.plot(1e3 * sizes, after, color=colour, lw=1.5,
+                    label=f"{run.name}, {stages[1]}: BBI {index:.4f}")
+    counts.set(xlabel="simulated time (s)", ylabel="pebbles that broke off")
+    places.set(xlabel="x along the track (m)", ylabel="z (m)", aspect="equal")
+    sieves.set(xlabel="sieve (mm)", ylabel="passing (% of mass)")
+    for panel in (counts, places, sieves):
+        panel.grid(alpha=0.3)
+        if panel.get_legend_handles_labels()[0]:
+            panel.legend(fontsize=8)
+    return figure
+
+
+FIGURES = {"regions": regions, "forces": forces, "grading": grading, "section": section,
+           "breakage": breakage}

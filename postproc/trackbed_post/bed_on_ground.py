@@ -299,6 +299,8 @@ FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "st
 def draw_all(runs, folder):
     """Draws every figure and the table into a write.Folder."""
     for name, draw in FIGURES.items():
+        if name == "breakage" and not any(run.breaks for run in runs):
+            continue  # a remark on every bed of stones that cannot break would not help
         try:
             figure = draw(runs)
         except Missing as missing:

@@ -7,6 +7,8 @@ import dataclasses
 
 import numpy as np
 
+from trackbed_post import read
+
 SECANT = 0.2     # of the increase of the reaction, where the secant of the support begins
 HANGS = 1e-4     # m, a larger gap means that a sleeper hangs
 REACHED = 0.9    # the transition ends where this fraction of the change is reached
@@ -45,6 +47,23 @@ class Transition:
 def spacing(results):
     """Spacing of the sleepers, m."""
     return float(np.median(np.diff(results.sleepers_x))) if len(results.sleepers_x) > 1 else 0.6
+
+
+def sleepers_of_track(track, usual):
+    """x of the sleepers of a track from its begin, m; zones may have a spacing of their own."""
+    length = track.get("length", 0)
+    own = sorted((zone["from"], zone["to"], zone["spacing"]) for zone in track.get("zone", [])
+                 if zone.get("spacing", 0) > 0)
+    parts, end = [], 0.0
+    for begin, to, spacing in [*own, (length, length, 0)]:
+        if begin > end + TINY:
+            parts.append((end, begin, usual))
+        if to > begin:
+            parts.append((begin, to, spacing))
+        end = to
+    places = [np.linspace(begin, to, round((to - begin) / spacing) + 1)[1:]
+              for begin, to, spacing in parts]
+    return np.concatenate([[0.0], *places])
 
 
 def blocks(results):
@@ -444,3 +463,40 @@ def force_distribution(force, bins=24, largest=8):
     density, edges = np.histogram(relative, bins=bins, range=(0, largest))
     width = edges[1] - edges[0]
     return (edges[1:] + edges[:-1]) / 2, density / (len(relative) * width)
+
+
+FINEST = 2.36e-3  # m, smallest sieve of the ballast breakage index
+
+
+def breakage_index(openings, before, after):
+    """Ballast breakage index of two sieve curves (openings in m, passing in %): the area between
+    them, divided by that between the first one and the straight line from 2.36 mm, 0 % to d95,
+    95 %. Both reach from 2.36 mm to d95, the opening that 95 % of the first curve pass, on a linear
+    axis (Indraratna, Lackenby, Christie 2005, doi:10.1680/geot.2005.55.4.325)."""
+    openings, before, after = (np.asarray(of, dtype=float) for of in (openings, before, after))
+    d95 = np.interp(95, before, openings)
+    inside = openings[(openings > FINEST) & (openings < d95)]
+    at = np.concatenate([[FINEST], inside, [d95]])
+    first, second = (np.interp(at, openings, curve, left=0) for curve in (before, after))
+    line = 95 * (at - FINEST) / (d95 - FINEST)
+    return np.trapz(second - first, at) / np.trapz(line - first, at)
+
+
+def sieved_with_fines(run, stage):
+    """Rows of opening (m) and mass (kg) of stones and fragments at the end of a stage, and of the
+    fines, whose opening is their diameter."""
+    breaks = run.breaks.get(stage)
+    rows = run.stones[stage].sieved
+    if breaks is None or not len(breaks):
+        return rows
+    fines = breaks[breaks[:, read.BREAK["fragment"]] < 0]
+    return np.concatenate([rows, fines[:, [read.BREAK["diameter"], read.BREAK["mass"]]]])
+
+
+def stages_of_breakage(run):
+    """The last stage before the first pebble breaks off, and the last stage; None without any."""
+    names = list(run.breaks)
+    broken = [name for name in names if len(run.breaks[name])]
+    if not broken:
+        return None
+    return names[max(names.index(broken[0]) - 1, 0)], names[-1]

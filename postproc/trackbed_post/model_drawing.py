@@ -153,9 +153,11 @@ class Scene:
         low = underside(self.run)
         width, height, spacing = sleepers["width"], sleepers["height"], sleepers["spacing"]
         x = self.run.sleepers_x
-        begin = x[0] - deck.get("seat", {}).get("before", 0) * spacing
+        places = measures.sleepers_of_track(deck.get("track", {}), spacing)
+        before = min(deck.get("seat", {}).get("before", 0), len(places) - 1)
+        begin = x[0] - places[before]
         end = begin + deck.get("track", {}).get("length", 0)
-        for place in np.arange(begin, end + measures.TINY, spacing):
+        for place in begin + places:
             on_bed = x[0] - spacing / 2 < place < x[-1] + spacing / 2
             self.panel.add_patch(matplotlib.patches.Rectangle(
                 (place - width / 2, low), width, height, lw=0 if on_bed else 1,

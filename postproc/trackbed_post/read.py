@@ -72,6 +72,7 @@ class Results:
     stones: dict
     warnings: tuple             # messages of the run, from summary.json
     surface: dict               # stage -> rows x, y, z of the bed's top, m; z nan without stones
+    breaks: dict                # stage -> rows of BREAK, pebbles that broke off up to its end
 
     def _last_passage(self):
         """Number of the last passage stage, or -1; earlier passages bed the sleepers in."""
@@ -194,6 +195,11 @@ def results(path):
             raise Unreadable(f"{_foreign(file_path, file)} ({error.args[0]})") from None
 
 
+# Columns of the rows of breakage: s, -, - (fragment -1: fines), m, m, m, m, kg, N, J, J.
+BREAK = {name: k for k, name in enumerate((
+    "time", "stone", "fragment", "x", "y", "z", "diameter", "mass", "force", "released", "lost"))}
+
+
 def _foreign(file_path, file):
     kind = _text(file.attrs.get("kind", ""))
     return (f"{file_path} is not a results.h5 of trackbed"
@@ -205,6 +211,7 @@ def _results(file_path, file):
     stages = file["chains"] if "chains" in file else {}
     stone_stages = file["stones"] if "stones" in file else {}
     surfaces = file["surface"] if "surface" in file else {}
+    breaks = file["breaks"] if "breaks" in file else {}
     return Results(
         name=file_path.parent.name,
         deck=deck,
@@ -236,7 +243,9 @@ def _results(file_path, file):
                              stone_stages[name]["sieved"][()].reshape(-1, 2))
                 for name in _in_order(stone_stages, deck)},
         surface={name: surfaces[name]["top"][()].reshape(-1, 3)
-                 for name in _in_order(surfaces, deck)})
+                 for name in _in_order(surfaces, deck)},
+        breaks={name: breaks[name][()].reshape(-1, len(BREAK))
+                for name in _in_order(breaks, deck)})
 
 
 def folder_of(path):

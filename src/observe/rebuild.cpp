@@ -55,9 +55,12 @@ void copy_histories(const par::Comm& comm, const io::File& from, io::File& to, s
 void copy_snapshots(const io::File& from, io::File& to, const std::vector<std::string>& stages) {
   for (const char* place : {"sleepers/x", "ground/x"})
     if (from.has(place)) copy_table(from, to, place);
-  for (const std::string& stage : stages)
+  for (const std::string& stage : stages) {
     for (const char* group : {"chains/", "stones/", "surface/"})
       for (const std::string& path : members(from, group + stage)) copy_table(from, to, path);
+    if (const std::string breaks = "breaks/" + stage; from.has(breaks))
+      copy_table(from, to, breaks);
+  }
 }
 
 // Reads every number, each rank a fraction, so that damage is detected before any file is created
@@ -72,6 +75,7 @@ void read_through(const io::File& file) {
   for (const char* list : {"chains", "stones", "surface"})
     for (const std::string& one : members(file, list))
       for (const std::string& path : columns(file, one)) file.read_own_rows<double>(path);
+  for (const std::string& path : members(file, "breaks")) file.read_own_rows<double>(path);
 }
 
 // A resumed run replaces the file, so the user has to decide what becomes of it.

@@ -48,6 +48,12 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
     const dem::ParticleView stone = scene.particles[i];
     sieved.insert(sieved.end(), {stone.size, stone.mass});
   }
+  std::vector<double> breaks;
+  for (const dem::Break& each : scene.particles.breaks())
+    breaks.insert(breaks.end(),
+                  {each.time, static_cast<double>(each.stone), static_cast<double>(each.fragment),
+                   each.position.x(), each.position.y(), each.position.z(), each.diameter,
+                   each.mass, each.force, each.released, each.lost});
   // The same on all ranks; rank 0 writes it.
   const std::vector<double> surface =
       cell > 0 ? surface_of(impl_->comm, scene.particles, cell) : std::vector<double>{};
@@ -62,6 +68,13 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
     file.write<double>(pebbles + "/centre", stones.centre, 2, {"m", "x and z of each pebble"});
     file.write<double>(pebbles + "/sieved", sieved, 2,
                        {"m, kg", "of each stone: smallest opening that it passes, and mass"});
+    if (scene.breaks)
+      file.write<double>(
+          "breaks/" + stage, breaks, 11,
+          {"s, -, -, m, m, m, m, kg, N, J, J",
+           "pebbles that broke off up to the end of the stage: time, stone, fragment "
+           "(-1: fines), x, y, z, diameter, mass, force, elastic energy of this "
+           "contact, kinetic energy lost"});
     if (cell > 0)
       file.write<double>("surface/" + stage + "/top", own, 3,
                          {"m", "x, y of each cell, and z of the highest stone in the cell"});

@@ -55,6 +55,9 @@ TAMPED = ["stage.passage.kind=tamp", "stage.passage.duration=0", "dem.largest_ov
           *(f"tamping.{name}={value}" for name, value in
             {"gap": 0.07, "closing": 0.03, "thickness": 0.02, "depth": 0.06, "insertion": 0.01,
              "squeeze": 0.01, "withdrawal": 0.01}.items())]
+BREAKS = [*SPACE[:1], SPACE[2], "bed.stone=clump",
+          "bed.clump=[-0.5,0,0,0.5, 0.5,0,0,0.4, 0,0.4,0,0.3]", "breakage.strength=1e4",
+          "breakage.threshold=1", "breakage.from=load", "breakage.least_size=0.005"]
 PRESSED = ["platen.speed=1", "stage.compact.duration=0.2"]
 
 # Parameter of the schema -> (change, context). List elements are given by name or number.
@@ -121,6 +124,18 @@ KNOBS = {
     "bed.polyhedron.rounding": ("bed.polyhedron.rounding=0.08", SOLID),
     "bed.polyhedron.pieces": ("bed.polyhedron.pieces=2", SLICED),
     "bed.polyhedron.spheres": ("bed.polyhedron.spheres=[3, 4]", FILLED),
+    "breakage.strength": ("breakage.strength=2e4", BREAKS),
+    "breakage.material": ("breakage.material=sleeper", BREAKS),
+    "breakage.from": ("breakage.from=passage", BREAKS),
+    "breakage.diameter": ("breakage.diameter=0.03", BREAKS),
+    "breakage.size_exponent": ("breakage.size_exponent=-0.5", BREAKS),
+    "breakage.weibull": ("breakage.weibull=6", BREAKS),
+    "breakage.threshold": ("breakage.threshold=0.7", BREAKS),
+    "breakage.birth_size": ("breakage.birth_size=0.4", BREAKS),
+    "breakage.growth_steps": ("breakage.growth_steps=20", BREAKS),
+    "breakage.growth_overlap": ("breakage.growth_overlap=1e-2", BREAKS),
+    "breakage.least_size": ("breakage.least_size=0.012", BREAKS),
+    "breakage.seed": ("breakage.seed=2", BREAKS),
     "ground.present": ("ground.present=false", []),
     "ground.x": ("ground.x=[-0.1, 0.6]", []),
     "ground.y": ("ground.y=[-0.2, 0.2]", SPACE),

@@ -75,6 +75,8 @@ KNOBS = {
     "track.zone.[].pad": ("track.zone.0.pad=2", []),
     "track.zone.[].sleeper": ("track.zone.0.sleeper=2", []),
     "track.zone.[].under_sleeper_pad": ("track.zone.0.under_sleeper_pad=2", UNDER),
+    "track.zone.[].spacing": ("track.zone.0.spacing=0.3",
+                              ["track.zone.0.from=5.4", "track.zone.0.to=6.6"]),
     "track.zone.[].gap": ("track.zone.0.gap=1e-3", []),
     "vehicle.[].name": ("vehicle.0.name=manchester_1", []),
     "vehicle.[].like": ("vehicle.own.like=alfa_pendular", COACH),

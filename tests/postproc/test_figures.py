@@ -154,6 +154,35 @@ def test_grading_is_by_mass(runs):
     bed_on_ground.plt.close("all")
 
 
+def test_breakage_index_of_a_worked_case():
+    """0.19057 by hand, with the trapezoidal rule on the sieves up to d95 = 53 mm."""
+    openings = 1e-3 * np.array([2.36, 4.75, 9.5, 13.2, 19, 26.5, 37.5, 53, 63])
+    before = np.array([0, 0, 0, 0, 2, 10, 45, 95, 100])
+    after = np.array([0, 0, 1, 2, 5, 15, 52, 96.5, 100])
+    assert measures.breakage_index(openings, before, after) == pytest.approx(0.19057, abs=5e-6)
+    assert measures.breakage_index(openings, before, before) == 0
+
+
+def test_breakage_counts_fragments_and_fines(runs):
+    rows = np.zeros((3, len(read.BREAK)))
+    rows[:, read.BREAK["time"]] = [2, 1, 3]
+    rows[:, read.BREAK["fragment"]] = [7, 8, -1]
+    rows[:, read.BREAK["diameter"]] = [0.012, 0.01, 0.004]
+    rows[:, read.BREAK["mass"]] = [0.002, 0.001, 0.5]
+    first = read.Stones(np.zeros((2, 2)), np.ones(2), np.array([[0.03, 2.0], [0.04, 2.0]]))
+    last = read.Stones(np.zeros((2, 2)), np.ones(2), np.array([[0.03, 1.5], [0.04, 2.0]]))
+    run = dataclasses.replace(runs[0], stones={"rest": first, "load": last},
+                              breaks={"rest": rows[:0], "load": rows})
+    assert measures.stages_of_breakage(run) == ("rest", "load")
+    assert measures.sieved_with_fines(run, "load")[:, 1].sum() == 4.0
+    counts, places, sieves = bed_on_ground.bed_figures.breakage([run]).axes
+    assert [list(line.get_ydata()) for line in counts.lines] == [[1, 2, 2], [0, 0, 1]]
+    assert "BBI" in sieves.get_legend().get_texts()[1].get_text()
+    with pytest.raises(bed_on_ground.Missing):
+        bed_on_ground.bed_figures.breakage([dataclasses.replace(run, breaks={})])
+    bed_on_ground.plt.close("all")
+
+
 def test_section_is_across_the_track(runs):
     axes = bed_on_ground.bed_figures.section(runs[:1]).axes[0]
     mean = axes.lines[0]
@@ -197,7 +226,7 @@ def test_a_run_without_ground_draws_the_other_figures(tmp_path):
     bed_on_ground.draw_all([read.results(made.write(tmp_path / "bed", ground=False))], folder)
     assert {path.stem for path in folder.pictures} == {
         "sleepers", "spectrum", "energy", "force_chains", "regions", "forces", "grading",
-        "section", "sensors", "stress_paths", "support"}
+        "section", "breakage", "sensors", "stress_paths", "support"}
     assert any(one.endswith(" has no ground, or no history of it") for one in folder.remarks)
 
 

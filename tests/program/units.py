@@ -21,7 +21,8 @@ PLAIN = {
     # checkpoints
     "/attitude", "/axes", "/held", "/history/keys", "/id", "/material", "/node", "quanta",
     "/plastic/opened", "/plastic/static", "/plastic/strain", "/scale", "/shape", "/template/faces",
-    "/template/pieces", "/template/sizes", "/element", "/quaternion", "train/steps",
+    "/template/pieces", "/template/sizes", "/part", "/breakage/labels",
+    "/element", "/quaternion", "train/steps",
     "train/iterations", "train/lost", "/gain", "walls/removed", "sleepers/placed", "solid/moved",
     "run/stage", "run/stage_has_begun",
     "run/substeps", "run/windows", "run/windows_of_stage", "run/windows_in_stage", "run/warnings",

@@ -51,7 +51,8 @@ REFUSED = {
 }
 # What `check` says of decks that it takes.
 WARNED = {"footing.width=0.7":
-          "is more than track.spacing (0.6 m): footprints of neighbouring sleepers overlap",
+          "is more than the spacing of sleepers (0.6 m): footprints of neighbouring sleepers "
+          "overlap",
           "ballast.damping=4e6":
           "limited by ballast dampers on the ground's top (the ground alone is limited by "
           "elements of layer",

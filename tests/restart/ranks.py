@@ -6,6 +6,7 @@ up to rounding.
 
 A ground with a yield criterion must have yielded.
 """
+import json
 import pathlib
 import shutil
 import sys
@@ -22,12 +23,13 @@ def main():
     program, deck, root = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
     changes = sys.argv[4:]
     shutil.rmtree(root, ignore_errors=True)
-    hashes = {}
+    hashes, broken = {}, {}
     for ranks in some((1, 3), (1, 2, 3, 4)):
         folder = root / str(ranks)
         program.done(ranks, "run", deck, *changes, "-o", folder)
         found = summary(folder)
         hashes[ranks] = found["dem"]["state_hash"]
+        broken[ranks] = json.dumps(found.get("breakage"))
         for name, value in found["coupling"].items():
             if not 0 <= value <= BALANCE:
                 raise SystemExit(f"{ranks} ranks: imbalance of {name} is {value}")
@@ -38,6 +40,10 @@ def main():
     print(hashes)
     if len(set(hashes.values())) != 1:
         raise SystemExit(f"state depends on the number of ranks: {hashes}")
+    if len(set(broken.values())) != 1:
+        raise SystemExit(f"breakage depends on the number of ranks: {broken}")
+    if found.get("breakage", {"fragments": 10})["fragments"] < 10:
+        raise SystemExit(f"hardly anything breaks: the comparison is meaningless: {broken}")
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ RANKS_OF_STOPPED, RANKS_OF_RESUMED = 2, (3, 1)  # in turn
 
 def canonical(name, values):
     """Rows of stones and contacts, whose order depends on the ranks, sorted."""
-    if name.startswith(("chains/", "stones/")):
+    if name.startswith(("chains/", "stones/", "breaks/")) and len(values):
         rows = values.reshape(len(values), -1)
         return rows[numpy.lexsort(rows.T)]
     return values
@@ -39,9 +39,10 @@ def compare(reference, other, what):
     hashes = [summary(folder)["dem"]["state_hash"] for folder in (reference, other)]
     if hashes[0] != hashes[1]:
         raise SystemExit(f"{what}: state hash {hashes[1]} instead of {hashes[0]}")
-    wheels = [summary(folder).get("track") for folder in (reference, other)]
-    if wheels[0] != wheels[1]:
-        raise SystemExit(f"{what}: forces of wheels {wheels}")
+    for part, means in (("track", "forces of wheels"), ("breakage", "breakage")):
+        found = [summary(folder).get(part) for folder in (reference, other)]
+        if found[0] != found[1]:
+            raise SystemExit(f"{what}: {means} {found}")
     records = [stage_records(folder) for folder in (reference, other)]
     if records[0] != records[1]:
         raise SystemExit(f"{what}: stages ended differently: {records}")

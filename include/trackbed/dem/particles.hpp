@@ -15,6 +15,7 @@
 #include "trackbed/core/surface.hpp"
 #include "trackbed/core/timers.hpp"
 #include "trackbed/core/types.hpp"
+#include "trackbed/dem/breakage.hpp"
 #include "trackbed/dem/law.hpp"
 #include "trackbed/geom/convex.hpp"
 #include "trackbed/input/section.hpp"
@@ -71,6 +72,7 @@ struct ParticleView {
   Quat attitude;
   Vec3 angular_momentum;  // kg m^2/s, about the centre of mass, in space axes
   bool held;
+  bool fragment;  // it broke off another particle
 };
 
 // A piece in space, for pictures. Its corners lie on the rounded surface; a ball or a segment has
@@ -191,6 +193,15 @@ class Particles {
   void grow_from(Id first, double fraction);
   void grow_to(double fraction);
   double grown() const;  // that fraction
+
+  // How corners break; once, before anything else. Only in space, for clumps of balls.
+  void set_breakage(const BreakageParameters& parameters);
+  // Whether they break from now on. Pebbles that are overloaded in a window break off at the begin
+  // of the next one. Collective.
+  void let_break(bool active);
+  std::int64_t weak_pebbles() const;         // that can break off, of all ranks; -1: none may now
+  const std::vector<Break>& breaks() const;  // those that this rank handled, in the order of time
+  BreakTotals broken() const;
 
   std::size_t size() const;  // own particles
   ParticleView operator[](std::size_t i) const;

@@ -151,6 +151,7 @@ struct Model {
   track::SeatParameters seat;
   bed::PlatenParameters platen;
   bed::TampingParameters tamping;
+  dem::BreakageParameters breakage;
   Output output;
   std::vector<observe::Region> regions;
   std::vector<observe::Sensor> sensors;
@@ -180,6 +181,7 @@ struct Model {
   dem::Domain domain() const;
   bed::Container container() const;
   double pressure_in(const Stage& stage) const;  // Pa, of the platen
+  std::size_t breaks_from() const;  // number of the first stage with breakage, or of all stages
 
  private:
   void declare_space(input::Section& s);

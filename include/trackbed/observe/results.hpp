@@ -36,6 +36,7 @@ struct Scene {
   const track::Sleepers* sleepers = nullptr;
   const fem::Bodies* bodies = nullptr;      // solid sleepers and rails
   bool stones = true;                       // whether the model can have stones
+  bool breaks = false;                      // whether their corners break
   std::vector<SceneSurface> surfaces = {};  // all that stones touch but the ground
 };
 

@@ -64,6 +64,7 @@ struct TrackZone {
   double pad = 1, sleeper = 1;     // factors of rail pads; of mass and roll inertia of sleepers
   double under_sleeper_pad = 1;    // factor of under-sleeper pads
   double footprint = 1;            // factor of the width of footprints on a ground
+  double spacing = 0;              // m, of its sleepers; 0: that of the track
   double gap = 0;                  // m, between sleepers and ballast of the unloaded track
   ZoneSide side = ZoneSide::both;  // of a track with two rails
   // Whether from <= x < to, or x is the end of the track of `length` m and of the zone.
@@ -82,6 +83,13 @@ struct SleeperBeamParameters {
   std::int64_t elements = 8;           // between the rails
   double unsupported = 0;              // m, length in the middle without ballast below
   void declare(input::Section& s);
+};
+
+// A part of the track in which sleepers have the same spacing, with one at each end.
+struct EvenPart {
+  double from, to;     // m
+  std::int64_t count;  // of spacings
+  double spacing() const { return (to - from) / static_cast<double>(count); }
 };
 
 struct TrackParameters {
@@ -104,8 +112,12 @@ struct TrackParameters {
   std::vector<TrackZone> zones;
   // m, between the rails on which wheels roll; 0: one rail.
   double wheel_gauge() const { return dimension == Dimension::space ? gauge : 0; }
-  // m, of sleeper n from the start of the track.
+  // Along the whole track; zones with a spacing of their own are parts.
+  std::vector<EvenPart> even_parts() const;
+  std::size_t sleepers() const;
+  // m, of sleeper n from the start of the track; beyond its end at the usual spacing.
   double sleeper_x(std::size_t n) const;
+  double least_spacing() const;  // m
   // Product of this factor of all zones at x, m.
   double factor(double TrackZone::*of, double x, std::size_t side) const;
   // m, lateral distance of the ballast springs from the middle of the track; one rail: 0.
@@ -113,6 +125,7 @@ struct TrackParameters {
   void declare(input::Section& s);
   void declare_space(input::Section& s);
   void declare_sleepers(input::Section& s);
+  void declare_spacings(input::Section& s);
 };
 
 // Hz, first bending frequency of a free sleeper, Euler-Bernoulli theory.

@@ -19,6 +19,13 @@ struct Law {
   Rolling<double> rolling;
 };
 
+// m, overlap at which the normal spring has this force (N): F ~ delta^1.5 or delta.
+inline double overlap_at(const Law& law, double force, double radius) {
+  const double at_one = coefficients<true>(law.springs, 1.0, 0.0, radius).k_n;
+  return law.springs.hertz > 0 ? std::cbrt(force / at_one) * std::cbrt(force / at_one)
+                               : force / at_one;
+}
+
 // Elastic energy stored in a contact, J: the integral of the normal force over delta, plus the
 // tangential spring, xi m.
 inline double stored_energy(const Law& law, double delta, double radius, const Vec4& xi) {

@@ -33,6 +33,10 @@ constexpr double stone_triangle_cost = 5, stone_feature_cost = 25, stone_patch_c
 // Entries and features per contact in such beds, where there are no lists yet.
 constexpr double entries_per_contact = 2, stone_entries_per_contact = 4, features_per_contact = 5;
 
+// Lists must hold what two fragments that grow may reach at a time, over the radius of the smallest
+// (breakage.cpp: 0.1 each), and some motion.
+constexpr double growth_in_lists = 0.4;
+
 constexpr double least_gain = 1.05;  // of the slowest rank; below it a new partition does not pay
 
 // Sizes are counted in steps of a quarter octave.
@@ -89,10 +93,13 @@ std::vector<double> Particles::Impl::level_bounds() const {
 // Collective. The bound comes first, since quantum, levels and reach follow from it. Lists refer to
 // the old owners from here on: the next `advance` makes new ones.
 void Particles::Impl::choose_grid(const std::vector<double>& work) {
-  const std::vector<double> bounds = level_bounds();
+  std::vector<double> bounds = level_bounds();
+  // Of broken stones: fixed, so that the quantum does not depend on when this is chosen.
+  bounds.back() = std::max(bounds.back(), breaking.largest_radius);
   bound = bounds.back();
   choose_quantum();
   skin = parameters.skin > 0 ? parameters.skin : default_skin();
+  skin = std::max(skin, growth_in_lists * breaking.least_radius);
   population = comm.sum(static_cast<std::int64_t>(state.own));
   grid = Grid(domain, bounds, skin, population);
   grid.partition(by_cell(work), comm.size());

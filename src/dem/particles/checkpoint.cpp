@@ -63,6 +63,7 @@ void Particles::save(io::File& file, const std::string& group) const {
   file.attribute(group, "growing", r.state.growing);
   file.attribute(group, "grown", r.state.grown);
   file.attribute(group, "load_quantum", r.load_quantum);
+  r.save_breakage(file, group);
 }
 
 // A run without rolling resistance wrote no rolling displacements: they begin at zero.
@@ -97,15 +98,16 @@ std::vector<std::string> read_surface_names(const io::File& file, const std::str
 void Particles::load(const io::File& file, const std::string& group) {
   Impl& r = *impl_;
   r.shapes = {};
-  for (const Template& shape : load_templates(file, group + "/template")) r.shapes.add(shape);
+  r.load_shapes(file, group);
   visit_state(r.state, [&](auto quantity, auto& array) {
     using T = typename Number<std::decay_t<decltype(array[0])>>::type;
     const std::string path = group + "/" + quantity.name;
     if (is_stored(file, path)) unflatten(file.read_own_rows<T>(path), array, quantity.columns);
   });
-  r.state.held.resize(r.state.id.size(), 0);
+  fill_unstored(r.state);
   r.state.growing = file.integer_attribute(group, "growing");
   r.state.grown = file.number_attribute(group, "grown");
+  r.steps = file.integer_attribute(group, "steps");
   // A fraction by number of rows, not by position; the rebuild sends each particle to its owner.
   r.state.own = r.state.id.size();
   r.sort_own();
@@ -114,7 +116,7 @@ void Particles::load(const io::File& file, const std::string& group) {
   r.forget_contacts();
   r.waiting = read_histories(file, group);
   r.names = read_surface_names(file, group);
-  r.steps = file.integer_attribute(group, "steps");
+  r.load_breakage(file, group);
   r.rebuilds = file.integer_attribute(group, "rebuilds");
   r.local_damping = file.number_attribute(group, "local_damping");
   r.load_quantum = file.number_attribute(group, "load_quantum");

@@ -8,6 +8,7 @@
 
 #include "dem/contact/stones.hpp"
 #include "dem/law/laws.hpp"
+#include "dem/particles/breaking.hpp"
 #include "dem/search/grid.hpp"
 #include "dem/search/near_pairs.hpp"
 #include "dem/search/pairs.hpp"
@@ -91,9 +92,31 @@ struct Particles::Impl {
   void find_ghosts();
   void update_ghosts();
   void sort_own();
-  void derive(std::size_t begin);   // masses, inertias, radii of particles from `begin` on
+  void derive(std::size_t begin);  // masses, inertias, radii of particles from `begin` on
+  void derive_one(std::size_t b);
   void derive_size(std::size_t b);  // quantities that depend on mass and size
   void grow_to(double fraction);    // grow.cpp
+  // breakage.cpp
+  template <class Visit>
+  void visit_weak(std::size_t b, Visit&& visit) const;
+  void find_strengths();  // of the pebbles in the lists
+  // A contact of the piece, whose normal spring has this force (N) at this overlap (m).
+  void watch(std::size_t piece, const Law& law, double force, double overlap);
+  void watch_near_pairs();
+  void break_off();  // pebbles that were overloaded; collective
+  std::vector<Crack> gather_cracks();
+  void forget_cracks(const std::vector<Id>& gone);  // ascending
+  const Loss& loss_of(std::int64_t shape, std::size_t piece);
+  double divide(std::size_t b, const Loss& loss, const Birth& birth, Id fragment);
+  void add_fragment(std::size_t b, Id id, double scale, double part);
+  void find_growing();  // in new lists; collective
+  double space_of(const GrowingFragment& fragment, double wanted) const;
+  std::vector<double> depths_of(const std::vector<Crack>& cracks) const;
+  void grow_fragments(int steps_of_window);  // at its begin; collective
+  void set_part(std::size_t b, double part);
+  void load_shapes(const io::File& file, const std::string& group);
+  void save_breakage(io::File& file, const std::string& group) const;
+  void load_breakage(const io::File& file, const std::string& group);
   void choose_quantum();
   // N/m of the stiffest law; hertz: at the largest overlap allowed on a particle of this radius
   // (m).
@@ -187,6 +210,7 @@ struct Particles::Impl {
   std::vector<std::vector<Vec3>> surface_last;  // m, nodes at the end of this window
   std::vector<History> waiting;  // history of a loaded checkpoint until the lists are built
 
+  Breaking breaking;
   // Of all particles; below 0: each material's own.
   double local_damping = -1;
   SurfaceAction action;

@@ -19,22 +19,14 @@ ParticleView Particles::operator[](std::size_t b) const {
   const State& s = impl_->state;
   const Quat q = quat(s.q[b]);
   const Vec3 body = q.conjugate() * s.l[b].vec3();
-  return {s.id[b],
-          static_cast<int>(s.shape[b]),
-          static_cast<int>(s.material[b]),
-          s.scale_now(b),
+  const double scale_of_mass = s.is_fragment(b) ? s.scale[b] : s.scale_now(b);
+  return {s.id[b], static_cast<int>(s.shape[b]), static_cast<int>(s.material[b]), s.scale_now(b),
           s.v[b].w,
-          mass_of(impl_->shapes[s.shape[b]], s.scale_now(b), 1, impl_->domain),
-          impl_->shapes[s.shape[b]].sieve * s.scale_now(b),
-          s.x[b].w,
-          s.x[b].vec3(),
-          s.v[b].vec3(),
-          q * Vec3(body.cwiseQuotient(s.inertia[b].vec3())),
-          s.f[b].vec3(),
-          s.t[b].vec3(),
-          q,
-          s.l[b].vec3(),
-          s.held[b] != 0};
+          // Of a fragment those of its final size, to which its mass belongs.
+          mass_of(impl_->shapes[s.shape[b]], scale_of_mass, 1, impl_->domain),
+          impl_->shapes[s.shape[b]].sieve * scale_of_mass, s.x[b].w, s.x[b].vec3(), s.v[b].vec3(),
+          q * Vec3(body.cwiseQuotient(s.inertia[b].vec3())), s.f[b].vec3(), s.t[b].vec3(), q,
+          s.l[b].vec3(), s.held[b] != 0, s.is_fragment(b)};
 }
 
 void Particles::pieces(std::size_t b, const std::function<void(const Vec3&, double)>& visit) const {
@@ -351,6 +343,7 @@ std::uint64_t Particles::state_hash() const {
     h = hash_bytes(&s.v[b], 3 * sizeof(double), h);
     h = hash_bytes(&s.l[b], 3 * sizeof(double), h);
     if (s.held[b] != 0) h = hash_bytes(&s.held[b], sizeof s.held[b], h);
+    if (s.is_fragment(b)) h = hash_bytes(&s.part[b], sizeof s.part[b], h);
     sum += mix(h);
   }
   for (const std::vector<History>& records : {r.history(), r.waiting})
@@ -380,7 +373,7 @@ Memory Particles::memory() const {
   to = &memory.contacts;
   for (const PairList* list : {&r.pairs, static_cast<const PairList*>(&r.stones)})
     count(list->rows, list->entries, list->xi, list->roll, list->size);
-  count(r.near.blocks, r.near.size, r.near.roll);
+  count(r.near.blocks, r.near.size, r.near.roll, r.near.limit, r.breaking.strength);
   count(r.stones.turn, r.approaches);
   for (const Approach& a : r.approaches) count(a.triangles, a.patches, a.near.features);
   memory.contacts += r.stone_contacts.memory();

@@ -84,7 +84,7 @@ template <bool spheres, bool hertz, bool rolls>
 [[gnu::always_inline]] inline BlockForce respond(const Arrays& a, const NearPairs& near,
                                                  const BlockLaws& laws, const Bodies<spheres>& at,
                                                  PairBlock& b, Lanes* size, Lanes3* rolled,
-                                                 double dt, double allowed) {
+                                                 double dt, double allowed, const Lanes* limit) {
   const Vec4 *px = a.piece_x, *shifts = near.shifts.data();
   const Lanes3 d = rows_of([&](std::size_t k) {
                      return four(px[b.j[k]]) - four(px[b.i[k]]) + four(shifts[b.shift[k]]);
@@ -130,6 +130,7 @@ template <bool spheres, bool hertz, bool rolls>
     turn_i = turn_i + cross(to_i, force), turn_j = turn_j + cross(to_j, force);
   BlockForce out{force, select(touches, turn_i, none), select(touches, turn_j, none),
                  touches & (delta > allowed * smaller(b.ri, b.rj))};
+  if (limit) out.beyond = out.beyond | (touches & (delta > *limit));
   // A moment of a pair: opposite on j; the sign is applied where torques are added.
   if constexpr (rolls) {
     const Rolls<Lanes> t{n,     wi - wj, touch.twist, contact.normal, contact.next,
@@ -177,7 +178,7 @@ double worst_of(const Arrays& a, const NearPairs& near, const PairBlock& b) {
 }
 
 // Returns the largest overlap over the smaller radius if it is larger than `allowed`, else 0.
-template <bool spheres, bool hertz, bool rolls>
+template <bool spheres, bool hertz, bool rolls, bool breaks>
 double pair_loop(const Arrays& a, const LawTable& table, NearPairs& near, double dt,
                  double allowed) {
   double worst = 0;
@@ -187,23 +188,29 @@ double pair_loop(const Arrays& a, const LawTable& table, NearPairs& near, double
     PairBlock& b = near.blocks[n];
     const Bodies<spheres> at{b, a.body};
     if (!near.one_law) laws.set(b.law);
-    const BlockForce force =
-        respond<spheres, hertz, rolls>(a, near, laws, at, b, hertz ? &near.size[n] : nullptr,
-                                       rolls ? &near.roll[n] : nullptr, dt, allowed);
+    const BlockForce force = respond<spheres, hertz, rolls>(
+        a, near, laws, at, b, hertz ? &near.size[n] : nullptr, rolls ? &near.roll[n] : nullptr, dt,
+        allowed, breaks ? &near.limit[n] : nullptr);
     add(a, at, force);
+    if (breaks && any(force.beyond)) near.over.push_back(n);
     if (any(force.beyond)) worst = std::max(worst, worst_of(a, near, b));
   }
   return worst;
 }
 
 // The loop compiled for these shapes and laws. If one law is Hertz's, all contacts use the loop
-// that computes both; the same holds for rolling.
-auto loop_for(bool spheres, bool hertz, bool rolls) {
-  constexpr decltype(&pair_loop<false, false, false>) loops[] = {
-      pair_loop<false, false, false>, pair_loop<false, false, true>, pair_loop<false, true, false>,
-      pair_loop<false, true, true>,   pair_loop<true, false, false>, pair_loop<true, false, true>,
-      pair_loop<true, true, false>,   pair_loop<true, true, true>};
-  return loops[4 * spheres + 2 * hertz + rolls];
+// that computes both; the same holds for rolling. Spheres alone do not break.
+template <bool... kinds>
+constexpr auto loop_of = pair_loop<kinds...>;
+auto loop_for(bool spheres, bool hertz, bool rolls, bool breaks) {
+  constexpr decltype(&pair_loop<false, false, false, false>) loops[] = {
+      loop_of<false, false, false, false>, loop_of<false, false, true, false>,
+      loop_of<false, true, false, false>,  loop_of<false, true, true, false>,
+      loop_of<true, false, false, false>,  loop_of<true, false, true, false>,
+      loop_of<true, true, false, false>,   loop_of<true, true, true, false>,
+      loop_of<false, false, false, true>,  loop_of<false, false, true, true>,
+      loop_of<false, true, false, true>,   loop_of<false, true, true, true>};
+  return loops[(breaks ? 8 : 4 * spheres) + 2 * hertz + rolls];
 }
 
 }  // namespace
@@ -254,7 +261,8 @@ void Particles::Impl::gather_near_pairs(const std::vector<Vec4>& piece_x, double
   if (near_valid && 2 * near_path <= near.margin) return;
   if (near_valid) near.store(pairs);
   mark_slow_particles(dt);
-  near.gather(piece_x, pieces.body, pairs);
+  const NearPairs::Limits limits{breaking.strength, laws};
+  near.gather(piece_x, pieces.body, pairs, breaking.strength.empty() ? nullptr : &limits);
   near_valid = true, near_path = 0;
 }
 
@@ -282,8 +290,11 @@ void Particles::Impl::compute_pair_forces(double dt) {
                  state.f.data(),
                  state.t.data()};
   gather_near_pairs(spheres ? state.x : pieces.x, dt);
-  const auto loop = loop_for(spheres, laws.any_hertz(), laws.any_rolls());
+  const bool breaks = !near.limit.empty();
+  near.over.clear();
+  const auto loop = loop_for(spheres, laws.any_hertz(), laws.any_rolls(), breaks);
   double worst = loop(a, laws, near, dt, parameters.largest_overlap);
+  watch_near_pairs();
   if (shapes.any_stones())
     worst = std::max(worst, stone_contacts.compute_forces(scene(), dt, stones, state));
   if (worst > parameters.largest_overlap)

@@ -76,6 +76,7 @@ void Particles::add(std::span<const NewParticle> mine) {
     r.state.material.back() = p.material, r.state.scale.back() = p.scale;
     r.state.x.back().set(p.position), r.state.q.back() = vec4(p.attitude.normalized());
     r.state.v.back().set(p.velocity), r.state.held.back() = p.held ? 1 : 0;
+    r.state.part.back() = 0;
   }
   const std::size_t begin = r.state.own;
   r.state.own = r.state.size();
@@ -114,6 +115,7 @@ std::int64_t Particles::remove(const std::function<bool(const ParticleView&)>& s
   const auto is_stale = [&](const History& h) { return is_gone(h.first) || is_gone(h.second); };
   std::erase_if(kept, is_stale);
   std::erase_if(r.waiting, is_stale);
+  r.forget_cracks(gone);
   visit_state(r.state, [&](auto, auto& array) {
     array.resize(r.state.own);
     // From the back, so that the numbers of the others stay valid.
@@ -224,6 +226,8 @@ double Particles::stable_step(std::string* limit) const {
     largest = std::max(largest, r.radius(b));
   }
   lightest = r.comm.min(lightest), largest = r.comm.max(largest);
+  if (r.breaking.active && r.breaking.least_mass > 0)
+    lightest = std::min(lightest, r.breaking.least_mass);
   return dem::stable_step(r.physics, r.parameters, lightest, largest, limit);
 }
 
@@ -233,8 +237,10 @@ void Particles::advance(double dt_window, int steps) {
   require(steps >= 0, "the number of sub-steps of a window is not negative");
   Impl& r = *impl_;
   r.action = {};
+  r.break_off();
   if (!r.ready) r.rebuild();
   if (steps == 0) return;
+  r.grow_fragments(steps);
   // Nodes move along lines, so the distance from a fixed place is largest at one end of the window;
   // the begin was the end of the window before.
   r.surface_motion = r.surface_motion_since_rebuild();
@@ -244,12 +250,14 @@ void Particles::advance(double dt_window, int steps) {
     r.substep({dt_window / steps, static_cast<double>(k) / steps, k, steps});
   r.kick(dt_window / steps, 1);
   r.store_near_pairs(), r.stone_contacts.store(r.stones);
-  // One reduction for all seven. A plain sum: it is only compared with a tolerance.
-  double sums[7];
+  r.breaking.elapsed += dt_window;
+  // One reduction for all. A plain sum: it is only compared with a tolerance.
+  double sums[8];
   Eigen::Map<Vec3>(sums, 3) = r.action.force;
   Eigen::Map<Vec3>(sums + 3, 3) = r.action.moment;
-  sums[6] = r.action.work;
-  r.comm.sum(std::span<double>(sums, 7));
+  sums[6] = r.action.work, sums[7] = static_cast<double>(r.breaking.cracks.size());
+  r.comm.sum(std::span<double>(sums, 8));
+  r.breaking.pending = std::llround(sums[7]);
   r.action = {Eigen::Map<Vec3>(sums, 3), Eigen::Map<Vec3>(sums + 3, 3), sums[6]};
 }
 

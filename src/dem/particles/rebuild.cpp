@@ -60,13 +60,14 @@ constexpr auto once = [](auto quantity) { return quantity.ghost == Ghost::once; 
 void Particles::Impl::derive(std::size_t begin) {
   state.w.resize(state.size());
   state.inertia.resize(state.size());
-  for (std::size_t b = begin; b < state.size(); ++b) {
-    const Template& shape = shapes[state.shape[b]];
-    const double density = physics.materials[static_cast<std::size_t>(state.material[b])].density;
-    state.v[b].w = mass_of(shape, state.scale[b], density, domain);
-    derive_size(b);
-    update_spin(b);
-  }
+  for (std::size_t b = begin; b < state.size(); ++b) derive_one(b);
+}
+
+void Particles::Impl::derive_one(std::size_t b) {
+  const double density = physics.materials[static_cast<std::size_t>(state.material[b])].density;
+  state.v[b].w = mass_of(shapes[state.shape[b]], state.scale[b], density, domain);
+  derive_size(b);
+  update_spin(b);
 }
 
 void Particles::Impl::derive_size(std::size_t b) {
@@ -346,12 +347,14 @@ void Particles::Impl::rebuild() {
   find_ghosts();
   lay_out(state, shapes, pieces);
   place(state, shapes, pieces);
+  find_strengths();
   find_pairs(scene(), carried, pairs, stones);
   near_valid = false;
   stone_contacts.reset(scene(), stones);
   find_approaches(scene(), surfaces, surface_names, carried, approaches);
   find_at_border();
   store_reference();
+  find_growing();
   ++rebuilds;
   ready = true;
 }

@@ -157,9 +157,10 @@ double Particles::Impl::surface_motion_since_rebuild() const {
 
 bool Particles::Impl::lists_are_old() const {
   // Two particles may approach by twice the largest displacement, a particle and a surface by the
-  // sum of both; growth is added.
+  // sum of both; growth is added, that of fragments at the begin of the next window as well.
   const double closer = std::max(2 * largest_motion, largest_motion + surface_motion) +
-                        2 * bound * (state.grown - reference_grown);
+                        2 * bound * (state.grown - reference_grown) +
+                        2 * (breaking.grown_since_rebuild + breaking.next_growth);
   // Written so that a position that is not a number causes a rebuild, which reports it.
   const bool old = !(closer <= skin) || crossed_a_border();
   const auto timing = timers->scope(Phase::waiting);

@@ -42,7 +42,7 @@ OneCell read_cell(const io::File& file, const std::string& group, const Tiling& 
     const std::string path = group + "/" + quantity.name;
     if (is_stored(file, path)) unflatten(file.read_all<T>(path), array, quantity.columns);
   });
-  cell.state.held.resize(cell.state.id.size(), 0);
+  fill_unstored(cell.state);
   std::vector<std::size_t> order(cell.state.id.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),

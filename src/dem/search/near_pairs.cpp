@@ -2,6 +2,8 @@
 // back.
 #include "dem/search/near_pairs.hpp"
 
+#include <algorithm>
+
 namespace trackbed::dem {
 
 namespace {
@@ -42,7 +44,7 @@ void NearPairs::fill_last(const std::vector<Vec4>& x, const PairList& list) {
 }
 
 void NearPairs::gather(const std::vector<Vec4>& x, const std::vector<std::int32_t>& body,
-                       const PairList& list) {
+                       const PairList& list, const Limits* limits) {
   const auto is_slow = [&](std::int32_t piece) {
     return slow[static_cast<std::size_t>(body[static_cast<std::size_t>(piece)])] > 0;
   };
@@ -71,6 +73,22 @@ void NearPairs::gather(const std::vector<Vec4>& x, const std::vector<std::int32_
     }
   }
   fill_last(x, list);
+  if (limits) find_limits(*limits);
+}
+
+// Slightly before the force is reached, which decides: its rounding is not that of the overlap.
+void NearPairs::find_limits(const Limits& limits) {
+  constexpr double before = 1e-14;  // of the reach, whose rounding the overlap has
+  limit.resize(blocks.size());
+  for (std::size_t n = 0; n < blocks.size(); ++n)
+    for (std::size_t k = 0; k < lanes; ++k) {
+      const PairBlock& b = blocks[n];
+      const double weaker = std::min(limits.strength[static_cast<std::size_t>(b.i[k])],
+                                     limits.strength[static_cast<std::size_t>(b.j[k])]);
+      const double reach = b.ri[k] + b.rj[k];
+      limit[n][k] =
+          overlap_at(limits.laws[b.law[k]], weaker, b.ri[k] * b.rj[k] / reach) - before * reach;
+    }
 }
 
 void NearPairs::store(PairList& list) const {

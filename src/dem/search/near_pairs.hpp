@@ -31,15 +31,22 @@ class NearPairs {
   // `x`: centres and radii of all pieces, `body` their particles; takes pairs closer than the
   // margin and all pairs that are not both slow. Histories are those of the list, to which those of
   // the previous near pairs must have been stored.
+  // `limits`: of breakage; null: nothing breaks.
+  struct Limits {
+    const std::vector<double>& strength;  // N, of each piece
+    const LawTable& laws;
+  };
   void gather(const std::vector<Vec4>& x, const std::vector<std::int32_t>& body,
-              const PairList& list);
+              const PairList& list, const Limits* limits = nullptr);
   void store(PairList& list) const;  // histories, and which entries touch
-  void clear() { blocks.clear(), size.clear(), roll.clear(), count = 0; }
+  void clear() { blocks.clear(), size.clear(), roll.clear(), limit.clear(), count = 0; }
 
   std::vector<PairBlock> blocks;
-  std::vector<Lanes> size;   // m, `size` of History; empty if no law is Hertz's
-  std::vector<Lanes3> roll;  // m, history; empty if no law resists rolling
-  std::vector<Vec4> shifts;  // m, of the list, and one far away for lanes without a pair
+  std::vector<Lanes> size;        // m, `size` of History; empty if no law is Hertz's
+  std::vector<Lanes3> roll;       // m, history; empty if no law resists rolling
+  std::vector<Lanes> limit;       // m, overlap at which a piece breaks off; empty if nothing breaks
+  std::vector<std::size_t> over;  // blocks in which one was exceeded in the last sub-step
+  std::vector<Vec4> shifts;       // m, of the list, and one far away for lanes without a pair
   // Set before pairs are gathered:
   double margin = 0;         // m
   std::vector<double> slow;  // 1 or 0, of each particle
@@ -49,6 +56,7 @@ class NearPairs {
  private:
   void put(std::size_t lane, std::int32_t piece, std::uint32_t e, const std::vector<Vec4>& x,
            const PairList& list);
+  void find_limits(const Limits& limits);
   void fill_last(const std::vector<Vec4>& x, const PairList& list);
 };
 

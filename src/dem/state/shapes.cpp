@@ -12,7 +12,7 @@ namespace trackbed::dem {
 // A shape is checked as a whole before anything is stored: after an InputError nothing has changed.
 // Whether the kernels may skip attitudes and corners is decided by all templates together: one
 // stone among spheres requires attitudes of all particles.
-int Shapes::add(const Template& shape) {
+int Shapes::add(const Template& shape, std::vector<std::int64_t> labels) {
   std::vector<std::string> problems;
   const auto number = templates_.size();
   if (shape.pieces.empty() || shape.pieces.size() >= (1u << piece_bits))
@@ -27,6 +27,8 @@ int Shapes::add(const Template& shape) {
       problems.push_back(fmt::format("shape {} has {}", number, problem.what()));
     }
   if (!problems.empty()) throw InputError(problems);
+  for (auto k = static_cast<std::int64_t>(labels.size()); labels.size() < shape.pieces.size(); ++k)
+    labels.push_back(k);
   for (Core& core : cores) {
     any_stones_ = any_stones_ || core.corners.size() > 1;
     pieces_.push_back(ball_around(core));
@@ -34,6 +36,7 @@ int Shapes::add(const Template& shape) {
     corners_.insert(corners_.end(), core.corners.begin(), core.corners.end());
     cores_.push_back(std::move(core));
   }
+  labels_.insert(labels_.end(), labels.begin(), labels.end());
   // Centred: only then nothing depends on the attitude.
   only_spheres_ = only_spheres_ && shape.pieces.size() == 1 &&
                   shape.pieces[0].core.vertices.size() == 1 &&

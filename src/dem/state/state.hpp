@@ -20,6 +20,7 @@ struct State {
   std::vector<std::int64_t> shape, material;
   std::vector<double> scale;
   std::vector<std::int64_t> held;  // 1: velocity and spin are prescribed
+  std::vector<double> part;        // of a fragment: ratio of its size to the final one; else 0
   std::vector<Vec4> x;             // m, centre of mass, unwrapped; w: bounding radius
   std::vector<Vec4> q;             // attitude, unit quaternion
   std::vector<Vec4> v;             // m/s; w: mass
@@ -36,7 +37,11 @@ struct State {
   double grown = 1;
 
   std::size_t size() const { return id.size(); }
-  double size_fraction(std::size_t b) const { return id[b] < growing ? 1 : grown; }
+  bool is_fragment(std::size_t b) const { return part[b] > 0; }
+  double size_fraction(std::size_t b) const {
+    if (is_fragment(b)) return part[b];
+    return id[b] < growing ? 1 : grown;
+  }
   double scale_now(std::size_t b) const { return scale[b] * size_fraction(b); }
 };
 
@@ -64,6 +69,8 @@ constexpr void visit_all(S& s, Visit&& visit) {
   visit(Quantity<1, once>{"scale", "-", "ratio of size to that of the template"}, s.scale);
   visit(Quantity<1, once>{"held", "-", "1: keeps velocity and spin whatever the forces; else 0"},
         s.held);
+  visit(Quantity<1, once>{"part", "-", "of a fragment: ratio of its size to the final one; else 0"},
+        s.part);
   visit(Quantity<3, each_step>{"position", "m", "centre of mass, unwrapped across periodic sides"},
         s.x);
   visit(Quantity<4, turning>{"attitude", "-", "quaternion x y z w from principal axes to space"},
@@ -97,7 +104,8 @@ void pick(State& state, const std::vector<std::size_t>& rows);
 // in [begin, end).
 class Shapes {
  public:
-  int add(const Template& shape);
+  // `labels`: of the pieces, their numbers in the unbroken stone; none: their own numbers.
+  int add(const Template& shape, std::vector<std::int64_t> labels = {});
   std::size_t size() const { return templates_.size(); }
   const std::vector<Template>& templates() const { return templates_; }
   const Template& operator[](std::int64_t shape) const {
@@ -108,6 +116,8 @@ class Shapes {
   // Ball around a piece: centre; w: radius; unit scale.
   const Vec4& piece(std::size_t k) const { return pieces_[k]; }
   const Core& core(std::size_t k) const { return cores_[k]; }
+  std::int64_t label(std::size_t k) const { return labels_[k]; }
+  const std::vector<std::int64_t>& labels() const { return labels_; }  // of all pieces in turn
   // Corners of all cores in turn, as in `Core`, and the first of each core.
   const std::vector<Vec4>& corners() const { return corners_; }
   std::uint32_t first_corner(std::size_t k) const { return first_corner_[k]; }
@@ -120,6 +130,7 @@ class Shapes {
   std::vector<std::size_t> begin_{0};
   std::vector<Vec4> pieces_;
   std::vector<Core> cores_;  // of each piece
+  std::vector<std::int64_t> labels_;
   std::vector<Vec4> corners_;
   std::vector<std::uint32_t> first_corner_;
   std::vector<double> bound_;

@@ -37,9 +37,14 @@ inline void unflatten(const std::vector<double>& numbers, std::vector<Vec4>& arr
   }
 }
 
-// False for quantities that older files lack: they have no held particles.
+// False for quantities that older files lack: they have neither held particles nor fragments.
 inline bool is_stored(const io::File& file, const std::string& path) {
-  return !path.ends_with("/held") || file.has(path);
+  const bool lacks = path.ends_with("/held") || path.ends_with("/part");
+  return !lacks || file.has(path);
+}
+inline void fill_unstored(State& state) {
+  state.held.resize(state.id.size(), 0);
+  state.part.resize(state.id.size(), 0);
 }
 
 // The type stored in a file for an array of T.

@@ -18,6 +18,10 @@ struct Integrals {
 // The tetrahedron of three points and the origin; negative if they are clockwise seen from outside.
 void add_tetrahedron(const Vec3& a, const Vec3& b, const Vec3& c, Integrals& sums);
 
+// The part of a ball that is in no other ball, by lines as for unions (union.cpp), `cells` of them
+// across the ball.
+Integrals own_part(const std::vector<Sphere>& balls, std::size_t which, int cells);
+
 // The volume must be above 0, since it is a divisor. Gyration in rising order, axes right-handed.
 Solid solid_of(const Integrals& integrals);
 // For laminas in the plane y = 0: rotates about y only, so that y stays the polar axis.

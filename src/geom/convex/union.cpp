@@ -194,6 +194,29 @@ Solid union_solid(const std::vector<Piece>& pieces, int cells) {
   return solid_by_lines(pieces, cells);
 }
 
+Integrals own_part(const std::vector<Sphere>& balls, std::size_t which, int cells) {
+  const Sphere own = balls[which];
+  std::vector<Sphere> others;
+  for (std::size_t k = 0; k < balls.size(); ++k)
+    if (k != which && (balls[k].centre - own.centre).norm() < balls[k].radius + own.radius)
+      others.push_back(balls[k]);
+  Integrals sums;
+  std::vector<Interval> covered;
+  along_lines(box_of({own}), cells, [&](double y, double z, double area) {
+    Interval left = chord(own, y, z);
+    if (left.first > left.second) return;
+    merge(others, y, z, covered);
+    for (const auto& [from, to] : covered) {
+      if (from > left.first)
+        add_interval({left.first, std::min(from, left.second)}, y, z, area, sums);
+      left.first = std::max(left.first, to);
+      if (left.first >= left.second) return;
+    }
+    add_interval(left, y, z, area, sums);
+  });
+  return sums;
+}
+
 // Cauchy, Crofton: the surface of a convex body is four times the mean area of its projections. A
 // line enters a body that is not convex several times and counts each. Directions over half a
 // sphere, as the projection from behind is the same.

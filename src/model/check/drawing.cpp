@@ -146,8 +146,9 @@ void draw_track(const Model& model, const TrackPlace& place, Picture& picture) {
   const track::TrackParameters& line = model.track.line.track;
   const double top = place.underside + place.height;
   const bool sleepers = line.support == track::Support::sleepers;
-  for (std::size_t k = 0; sleepers && k < model.track.sleepers(); ++k) {
-    const double x = place.origin + static_cast<double>(k) * line.spacing;
+  const std::size_t count = sleepers ? model.track.sleepers() : 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double x = place.origin + line.sleeper_x(k);
     const bool carried = k >= place.first && k < place.first + place.count;
     picture.rectangle({x - place.width / 2, place.underside}, {x + place.width / 2, top},
                       carried ? sleeper : on_springs);
@@ -167,8 +168,8 @@ void draw_sleepers(const Model& model, Picture& picture) {
   if (model.has_train()) {
     const auto before = static_cast<std::size_t>(model.seat.before);
     draw_track(model,
-               {s.first - static_cast<double>(before) * model.track.line.track.spacing, underside,
-                s.width, s.height, before, static_cast<std::size_t>(s.count)},
+               {s.first - model.track.line.track.sleeper_x(before), underside, s.width, s.height,
+                before, static_cast<std::size_t>(s.count)},
                picture);
     return;
   }
@@ -251,8 +252,7 @@ std::string drawing_of(const Model& model, const std::vector<bed::PlacedShape>& 
     const FootingParameters& f = model.footing;
     const auto before = static_cast<std::size_t>(f.before);
     const bool ground = model.kind == ModelKind::track_on_ground;
-    const double origin =
-        ground ? f.first - static_cast<double>(f.before) * model.track.line.track.spacing : 0;
+    const double origin = ground ? f.first - model.track.line.track.sleeper_x(before) : 0;
     draw_track(model,
                {origin, spring_height, drawn_width, drawn_height, before,
                 ground ? static_cast<std::size_t>(f.count) : 0},

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "model/rules/rules.hpp"
 #include "trackbed/input/deck.hpp"
@@ -58,13 +59,13 @@ void declare_track(const Model& model, input::Section& s) {
          "must be false on a ground: the rail can lift off its pads only on a track alone (model = "
          "\"track\")",
          {.reads = {"pad", "model"}});
-  const double first = static_cast<double>(footing.before) * track.spacing;
-  const double last = first + static_cast<double>(footing.count - 1) * track.spacing;
+  const double first = track.sleeper_x(static_cast<std::size_t>(footing.before));
+  const double last = track.sleeper_x(static_cast<std::size_t>(footing.before + footing.count - 1));
   s.rule("footing.before", first >= track.run_in - same_length,
          fmt::format("the first sleeper on the ground is at {:g} m from the start of the track, "
-                     "within the run-in of {:g} m; give at least {:g} sleepers before it, or a "
+                     "within the run-in of {:g} m; give at least {} sleepers before it, or a "
                      "shorter track.run_in",
-                     first, track.run_in, std::ceil((track.run_in - same_length) / track.spacing)),
+                     first, track.run_in, sleepers_up_to(track, track.run_in - same_length)),
          about);
   s.rule("footing.count", last <= track.length - track.run_in + same_length,
          fmt::format("the last sleeper on the ground is at {0:g} m from the start of the track; it "
@@ -99,23 +100,24 @@ void declare_two_rails(const Model& model, input::Section& s) {
 // m, x of sleeper i on the ground and the width of its footprint.
 std::array<double, 2> place_of(const Model& model, std::int64_t i) {
   const track::TrackParameters& track = model.track.line.track;
-  const double along = track.sleeper_x(static_cast<std::size_t>(model.footing.before + i));
-  return {model.footing.first + static_cast<double>(i) * track.spacing,
+  const auto before = static_cast<std::size_t>(model.footing.before);
+  const double along = track.sleeper_x(before + static_cast<std::size_t>(i));
+  return {model.footing.first + along - track.sleeper_x(before),
           model.footing.width * track.factor(&track::TrackZone::footprint, along, 0)};
 }
 
 // m, extent of all footprints along x without factors of zones.
 std::array<double, 2> extent_of(const Model& model) {
   const FootingParameters& footing = model.footing;
-  const double span = static_cast<double>(footing.count - 1) * model.track.line.track.spacing;
-  return {footing.first - footing.width / 2, footing.first + span + footing.width / 2};
+  const double last = place_of(model, footing.count - 1)[0];
+  return {footing.first - footing.width / 2, last + footing.width / 2};
 }
 
 // Footprints that are wider by zones: the first that reaches beyond the ground, and the first that
 // overlaps the next one.
 void declare_wider(const Model& model, const input::About& about, input::Section& s) {
   const std::vector<double>& ground = model.ground.x;
-  const double width = model.footing.width, spacing = model.track.line.track.spacing;
+  const double width = model.footing.width;
   for (std::int64_t i = 0; i < model.footing.count; ++i) {
     const auto [x, here] = place_of(model, i);
     const bool inside =
@@ -129,8 +131,8 @@ void declare_wider(const Model& model, const input::About& about, input::Section
   }
   for (std::int64_t i = 0; i + 1 < model.footing.count; ++i) {
     const auto [x, here] = place_of(model, i);
-    const double next = place_of(model, i + 1)[1];
-    if ((here != width || next != width) && (here + next) / 2 > spacing + same_length)
+    const auto [further, next] = place_of(model, i + 1);
+    if ((here != width || next != width) && (here + next) / 2 > further - x + same_length)
       return s.rule("track.zone", false,
                     fmt::format("`footprint` lets the footprints of neighbouring sleepers overlap, "
                                 "first at x = {:g} m of the ground",
@@ -139,13 +141,27 @@ void declare_wider(const Model& model, const input::About& about, input::Section
   }
 }
 
+// m, between neighbouring sleepers on the ground, infinite for one; `unchanged`: only between those
+// whose footprints have the width of [footing].
+double least_distance(const Model& model, bool unchanged) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::int64_t i = 1; i < model.footing.count; ++i) {
+    const auto [x, width] = place_of(model, i);
+    const auto [before, other] = place_of(model, i - 1);
+    if (!unchanged || (width == model.footing.width && other == width))
+      least = std::min(least, x - before);
+  }
+  return least;
+}
+
 // Footprints may overlap, since ballast spreads loads, but most often the width is wrong.
 void declare_overlap(const Model& model, input::Section& s) {
-  const double spacing = model.track.line.track.spacing;
-  s.rule("footing.width", model.footing.count < 2 || model.footing.width <= spacing + same_length,
+  const double least = least_distance(model, true);
+  s.rule("footing.width", model.footing.width <= least + same_length,
          fmt::format(
-             "is more than track.spacing ({:g} m): footprints of neighbouring sleepers overlap",
-             spacing),
+             "is more than the spacing of sleepers ({:g} m): footprints of neighbouring sleepers "
+             "overlap",
+             least),
          {.severity = input::Severity::warning, .reads = {"footing", "track"}});
 }
 
@@ -155,7 +171,7 @@ void declare_along(const Model& model, const input::About& about, input::Section
   const FootingParameters& footing = model.footing;
   const std::vector<double>& x = model.ground.x;
   const auto [from, to] = extent_of(model);
-  const double spacing = model.track.line.track.spacing;
+  const double spacing = least_distance(model, false);
   const double space = std::min(from - x[0], x[1] - to) + footing.width / 2;
   const bool width = footing.width > spacing && space >= spacing / 2 - same_length;
   s.rule("footing.width", !width || footing.width / 2 <= space + same_length,

@@ -357,6 +357,12 @@ void declare_intervals(const Model& model, input::Section& s) {
   }
 }
 
+std::size_t sleepers_up_to(const track::TrackParameters& track, double x) {
+  std::size_t n = 0;
+  while (n < track.sleepers() && track.sleeper_x(n) < x) ++n;
+  return n;
+}
+
 void declare_rules(const Model& model, input::Section& s) {
   declare_stages(model, s);
   declare_layers(model, s);
@@ -374,6 +380,7 @@ void declare_rules(const Model& model, input::Section& s) {
   declare_skin_of_bed(model, s);
   declare_walls(model, s);
   declare_tamping(model, s);
+  declare_breakage(model, s);
   bool periodic_known = true;
   for (const auto& axis : model.periodic) periodic_known &= axis == "x" || axis == "y";
   s.rule("periodic", periodic_known, "may contain only \"x\" and \"y\"", {.reads = {"periodic"}});

@@ -9,6 +9,9 @@ namespace trackbed::model {
 // Declares them to the open root section, after all parameters that they read.
 constexpr double same_length = 1e-9;  // m, between lengths of a deck that are meant to be equal
 
+// Number of sleepers before x m from the start of the track.
+std::size_t sleepers_up_to(const track::TrackParameters& track, double x);
+
 void declare_rules(const Model& model, input::Section& s);
 void declare_train(const Model& model, input::Section& s);  // after the track has been read
 // Parts of declare_rules.
@@ -22,6 +25,9 @@ void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension
                         input::Section& s);
 void declare_ground_yields(const Model& model, input::Section& s);
 void declare_walls(const Model& model, input::Section& s);
+inline constexpr const char* breakage_meaning =
+    "Breakage: pebbles of clumps that break off as corners (docs/breakage.md).";
+void declare_breakage(const Model& model, input::Section& s);
 void declare_tamping(const Model& model, input::Section& s);
 // Warns of a dem.safety that is large for compacted stones with corners, if there are any.
 void declare_steadiness(const Model& model, bool corners, input::Section& s);

@@ -65,7 +65,7 @@ void declare_presence(const Model& model, input::Section& s) {
 void declare_arrivals(const Model& model, input::Section& s) {
   const TrackModel& track = model.track;
   if (track.train.vehicles.empty() || !track.train.changes_are_valid()) return;
-  const double bed = static_cast<double>(model.seat.before) * track.line.track.spacing;
+  const double bed = track.line.track.sleeper_x(static_cast<std::size_t>(model.seat.before));
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     const Stage& stage = model.stages[i];
     if (!stage.train || stage.duration == 0) continue;
@@ -90,14 +90,24 @@ void declare_place(const Model& model, input::Section& s) {
          fmt::format("must be that of the sleepers of the bed (sleepers.spacing = {:g} m)",
                      bed.spacing),
          about);
-  const double first = static_cast<double>(model.seat.before) * track.spacing;
-  const double last = first + static_cast<double>(bed.count - 1) * track.spacing;
+  const auto before = static_cast<std::size_t>(model.seat.before);
+  const double first = track.sleeper_x(before);
+  const double last = track.sleeper_x(before + static_cast<std::size_t>(bed.count) - 1);
+  bool even = true;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(bed.count); ++k)
+    even = even && std::abs(track.sleeper_x(before + k) - first -
+                            static_cast<double>(k) * bed.spacing) <= alike * track.length;
+  s.rule("track.zone", even || std::abs(track.spacing - bed.spacing) > alike * bed.spacing,
+         fmt::format("`spacing` must be 0 on the sleepers of the bed, which are {:g} m apart "
+                     "(sleepers.spacing): {:g} to {:g} m of the track",
+                     bed.spacing, first, first + bed.last() - bed.first),
+         about);
   s.rule(
       "seat.before", first >= track.run_in * (1 - alike),
       fmt::format("puts the first sleeper of the bed at {:g} m from the start of the track, within "
-                  "its run-in of {:g} m; give at least {:g} sleepers before the bed, or a shorter "
+                  "its run-in of {:g} m; give at least {} sleepers before the bed, or a shorter "
                   "track.run_in",
-                  first, track.run_in, std::ceil(track.run_in * (1 - alike) / track.spacing)),
+                  first, track.run_in, sleepers_up_to(track, track.run_in * (1 - alike))),
       about);
   s.rule("track.length", last <= (track.length - track.run_in) * (1 + alike),
          fmt::format("must be at least {:g} m: {:g} m up to the last sleeper of the bed, and the "
@@ -146,7 +156,7 @@ void declare_solid_sides(const Model& model, input::Section& s) {
 }
 
 // A table for two seats per sleeper needs sleepers that roll, as below two rails.
-void declare_seats(const Model& model, input::Section& s) {
+void declare_seats_of_train(const Model& model, input::Section& s) {
   const double gauge = model.load.gauge, length = model.sleepers.length;
   if (gauge == 0) return;
   const input::About about{.reads = {"load", "sleepers", "dimension", "stage", "track"}};
@@ -230,7 +240,7 @@ double longest_window(const Model& model) {
 
 void declare_train(const Model& model, input::Section& s) {
   declare_presence(model, s);
-  declare_seats(model, s);
+  declare_seats_of_train(model, s);
   if (!model.has_train()) return;
   declare_arrivals(model, s);
   declare_place(model, s);

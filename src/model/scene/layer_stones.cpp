@@ -138,6 +138,11 @@ StonesStep step_of(const Model& model, const StonesOfLayers& layers) {
     lightest = std::min(lightest, density * stones.smallest_volume * thickness);
     largest = std::max(largest, stones.largest_bound);
   }
+  const dem::BreakageParameters& breakage = model.breakage;
+  if (const int number = model.material(breakage.material); breakage.strength > 0 && number >= 0)
+    lightest = std::min(
+        lightest,
+        least_fragment(breakage, model.physics.materials[static_cast<std::size_t>(number)]));
   StonesStep step;
   step.longest = dem::stable_step(model.physics, model.dem, lightest, largest, &step.limit);
   return step;

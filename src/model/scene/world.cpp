@@ -22,6 +22,7 @@ World::World(const par::Comm& world, const Model& deck)
       walls(deck.container(), deck.material(deck.wall_material),
             deck.ground.present ? -1 : deck.material(deck.ground_material)),
       coupler(world) {
+  particles.set_breakage(model.breakage);
   const double thickness = model.domain().thickness;
   if (model.ground.present) {
     ground.emplace(comm, model.ground, model.dimension, thickness);
@@ -211,6 +212,7 @@ observe::Scene World::scene() {
           .sleepers = sleepers && sleepers->placed() ? &*sleepers : nullptr,
           .bodies = solids && solids->placed() ? &solids->bodies() : nullptr,
           .stones = model.has_stones(),
+          .breaks = model.breakage.strength > 0,
           .surfaces = std::move(shown)};
 }
 

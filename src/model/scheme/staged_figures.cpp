@@ -200,6 +200,15 @@ void put_figures(const FigureInput& run, Json& json) {
   if (stones)
     json["energy"] = {
         {"kinetic", totals.kinetic}, {"potential", totals.potential}, {"elastic", totals.elastic}};
+  if (run.world.model.breakage.strength > 0) {
+    const dem::BreakTotals broken = run.world.particles.broken();
+    json["breakage"] = {{"fragments", broken.fragments},
+                        {"fines", broken.fines},
+                        {"fragment_mass_kg", broken.fragment_mass},
+                        {"fines_mass_kg", broken.fines_mass},
+                        {"released_j", broken.released},
+                        {"kinetic_lost_j", broken.lost}};
+  }
   if (stones) {
     json["imbalance"] = imbalance(run);
     json["load_balance"] = {{"rebalances", run.world.particles.balance().rebalances},

@@ -71,7 +71,7 @@ std::vector<CoarseStep> coarse_steps(const TrackModel& model, double step) {
   if (model.on_ground) add_forces(model, step, found);
   if (model.train.vehicles.empty()) return found;
   const track::TrackParameters& track = model.line.track;
-  const double element = track.spacing / static_cast<double>(track.elements);
+  const double element = track.least_spacing() / static_cast<double>(track.elements);
   const double travel = largest_speed(model.train) * step;
   if (travel > element * (1 + same_step))
     found.push_back({"passage.step", step,

@@ -55,8 +55,15 @@ void declare_seats(const TrackModel& model, input::Section& s) {
          about);
 }
 
+// As numbers, which do not overflow: a wrong unit may give any of them.
 double elements_of(const track::TrackParameters& track) {
-  return track.length / track.spacing * static_cast<double>(track.elements);
+  double usual = track.length, bays = 0;
+  for (const track::TrackZone& zone : track.zones)
+    if (zone.spacing > 0) {
+      usual -= zone.to - zone.from;
+      bays += (zone.to - zone.from) / zone.spacing;
+    }
+  return (bays + std::max(usual, 0.0) / track.spacing) * static_cast<double>(track.elements);
 }
 
 constexpr double most_elements = 1e6;
@@ -64,7 +71,12 @@ constexpr double most_elements = 1e6;
 // So that a wrong unit gives an error before memory is exhausted.
 void declare_size(const TrackModel& model, input::Section& s) {
   const track::TrackParameters& track = model.line.track;
-  s.rule("track.spacing", model.is_countable(),
+  double least = track.spacing;
+  std::string key = "track.spacing";
+  for (std::size_t i = 0; i < track.zones.size(); ++i)
+    if (const double apart = track.zones[i].spacing; apart > 0 && apart < least)
+      least = apart, key = fmt::format("track.zone[{}].spacing", i);
+  s.rule(key, model.is_countable(),
          fmt::format("gives {:.3g} elements for {:g} m of rail; at most {:g} are possible; is the "
                      "spacing in m?",
                      elements_of(track), track.length, most_elements),
@@ -410,9 +422,7 @@ std::optional<double> TrackModel::stop() const {
 
 bool TrackModel::is_countable() const { return elements_of(line.track) <= most_elements; }
 
-std::size_t TrackModel::sleepers() const {
-  return static_cast<std::size_t>(std::llround(line.track.length / line.track.spacing)) + 1;
-}
+std::size_t TrackModel::sleepers() const { return line.track.sleepers(); }
 
 std::optional<track::SeatLoad> seats_of(const TrackModel& model) {
   if (!by_seats(model)) return {};

@@ -17,12 +17,33 @@ namespace {
 
 using Kind = track::IrregularityKind;
 
-// Whether the zone contains any of the places from x = `first` to `length` at the distance `apart`,
-// m.
-bool holds_place(const track::TrackZone& zone, double length, double first, double apart) {
-  for (double x = first; x < length + apart / 2; x += apart)
-    if (zone.covers(x, 0, length) || zone.covers(x, 1, length)) return true;
-  return false;
+// m, x of all sleepers, or of the middles of all elements of a rail.
+std::vector<double> sleepers_of(const track::TrackParameters& track) {
+  std::vector<double> x{0};
+  for (const track::EvenPart& part : track.even_parts())
+    for (std::int64_t k = 1; k <= part.count; ++k)
+      x.push_back(part.from + static_cast<double>(k) * part.spacing());
+  return x;
+}
+
+std::vector<double> element_middles(const track::TrackParameters& track) {
+  std::vector<double> x;
+  for (const track::EvenPart& part : track.even_parts()) {
+    const double length = part.spacing() / static_cast<double>(track.elements);
+    for (std::int64_t e = 0; e < part.count * track.elements; ++e)
+      x.push_back(part.from + (static_cast<double>(e) + 0.5) * length);
+  }
+  return x;
+}
+
+bool holds(const track::TrackZone& zone, double x, double length) {
+  return zone.covers(x, 0, length) || zone.covers(x, 1, length);
+}
+
+// Whether the zone contains any of the places x, m.
+bool holds_place(const track::TrackZone& zone, double length, const std::vector<double>& places) {
+  return std::any_of(places.begin(), places.end(),
+                     [&](double x) { return holds(zone, x, length); });
 }
 
 // What a factor of zones needs: without it the factor has no effect.
@@ -34,12 +55,10 @@ struct ZoneNeeds {
 };
 
 bool holds_pad_below(const track::LineParameters& line, const track::TrackZone& zone) {
-  for (std::size_t n = 0; line.track.sleeper_x(n) < line.track.length + line.track.spacing / 2; ++n)
-    if (const double x = line.track.sleeper_x(n);
-        line.under_sleeper.lie_at(x, line.track.length) &&
-        (zone.covers(x, 0, line.track.length) || zone.covers(x, 1, line.track.length)))
-      return true;
-  return false;
+  const std::vector<double> places = sleepers_of(line.track);
+  return std::any_of(places.begin(), places.end(), [&](double x) {
+    return line.under_sleeper.lie_at(x, line.track.length) && holds(zone, x, line.track.length);
+  });
 }
 
 void declare_idle_factors(const TrackModel& model, std::size_t i, input::Section& s) {
@@ -73,16 +92,16 @@ void declare_zone(const track::TrackParameters& track, std::size_t i, input::Sec
   if (!on) return;
   const bool of_sleepers =
       zone.pad != 1 || zone.sleeper != 1 || zone.under_sleeper_pad != 1 || zone.footprint != 1;
-  s.rule(from, zone.rail != 1 || zone.bed != 1 || zone.gap > 0 || of_sleepers,
-         "begins a zone without effect: all its factors are 1, and `gap` is 0", about);
-  const double element = track.spacing / static_cast<double>(track.elements);
-  const bool elements = holds_place(zone, track.length, element / 2, element);
+  s.rule(from, zone.rail != 1 || zone.bed != 1 || zone.gap > 0 || zone.spacing > 0 || of_sleepers,
+         "begins a zone without effect: all its factors are 1, and `gap` and `spacing` are 0",
+         about);
+  const bool elements = holds_place(zone, track.length, element_middles(track));
   s.rule(from, zone.rail == 1 || elements,
          "begins a zone that does not contain the middle of any rail element: its factor `rail` "
          "has no effect",
          about);
   const bool bears = track.support == track::Support::sleepers
-                         ? holds_place(zone, track.length, 0, track.spacing)
+                         ? holds_place(zone, track.length, sleepers_of(track))
                          : track.support == track::Support::continuous && elements;
   s.rule(
       from, (zone.bed == 1 && zone.gap == 0 && !of_sleepers) || bears,
@@ -97,7 +116,13 @@ void declare_seat_zones(const TrackModel& model, input::Section& s) {
   const input::About about{.reads = {"track", "passage.loaded_by"}};
   for (std::size_t i = 0; i < track.zones.size(); ++i) {
     const track::TrackZone& zone = track.zones[i];
-    const bool over = holds_place(zone, track.length, 0, track.spacing);
+    s.rule(
+        fmt::format("track.zone[{}].spacing", i),
+        zone.spacing == 0 || model.load.kind == track::SeatLoadKind::seats,
+        "must be 0 with seat loads (passage.loaded_by) that are equal for all seats: the load of "
+        "a seat changes with the spacing; give each sleeper its own (load.kind = \"seats\")",
+        about);
+    const bool over = holds_place(zone, track.length, sleepers_of(track));
     s.rule(fmt::format("track.zone[{}].gap", i), zone.gap == 0 || !over,
            "must be 0 with seat loads (passage.loaded_by): hanging sleepers need pads and a rail, "
            "which do not exist",
@@ -113,9 +138,8 @@ void declare_seat_zones(const TrackModel& model, input::Section& s) {
 // unloaded track.
 std::int64_t carried(const track::TrackParameters& track, std::size_t side) {
   const bool sleepers = track.support == track::Support::sleepers;
-  const double apart = track.spacing / (sleepers ? 1 : static_cast<double>(track.elements));
   std::int64_t count = 0;
-  for (double x = sleepers ? 0 : apart / 2; x < track.length + apart / 4; x += apart)
+  for (const double x : sleepers ? sleepers_of(track) : element_middles(track))
     count += std::none_of(track.zones.begin(), track.zones.end(), [&](const auto& zone) {
       return zone.covers(x, side, track.length) && (zone.bed == 0 || zone.gap > 0);
     });
@@ -258,18 +282,14 @@ void declare_ballast_mass(const TrackModel& model, std::int64_t first, std::int6
                           input::Section& s) {
   const track::TrackParameters& track = model.line.track;
   if (model.line.ballast.mass == 0 || track.support != track::Support::sleepers) return;
-  const auto sleepers = static_cast<std::int64_t>(model.sleepers());
-  const auto holds = [&](const track::TrackZone& zone) {
-    for (std::int64_t k = 0; k < sleepers; ++k) {
-      const double x = static_cast<double>(k) * track.spacing;
-      const bool on_spring = k < first || k >= first + count;
-      if (on_spring && (zone.covers(x, 0, track.length) || zone.covers(x, 1, track.length)))
-        return true;
-    }
-    return false;
+  std::vector<double> on_springs = sleepers_of(track);
+  const auto of_bed = [&](std::int64_t k) {
+    return on_springs.begin() + std::min(k, static_cast<std::int64_t>(on_springs.size()));
   };
+  on_springs.erase(of_bed(first), of_bed(first + count));
   for (std::size_t i = 0; i < track.zones.size(); ++i)
-    s.rule(fmt::format("track.zone[{}].bed", i), track.zones[i].bed > 0 || !holds(track.zones[i]),
+    s.rule(fmt::format("track.zone[{}].bed", i),
+           track.zones[i].bed > 0 || !holds_place(track.zones[i], track.length, on_springs),
            "must be above 0 with a mass of the ballast (ballast.mass), which has no other support",
            {.reads = {"track", "ballast", "sleepers", "seat"}});
 }

@@ -43,15 +43,14 @@ Sparse matrix_of(const Triplets& entries, std::int32_t unknowns) {
 
 }  // namespace
 
-// The length was checked to be a whole number of spacings.
+// The parts of the track were checked to be whole numbers of spacings.
 Line::Impl::Impl(const LineParameters& given)
     : parameters(given),
       beam(beam_of(given.rail)),
       sides(given.track.dimension == Dimension::space ? 2 : 1) {
   const TrackParameters& track = parameters.track;
-  const auto bays = std::llround(track.length / track.spacing);
-  require(bays >= 1 && track.elements >= 1, "a track has at least one element");
-  require(static_cast<std::size_t>(bays) + 1 >= given.first_moved + given.moved,
+  require(track.sleepers() >= 2 && track.elements >= 1, "a track has at least one element");
+  require(track.sleepers() >= given.first_moved + given.moved,
           "first_moved + moved must not exceed the number of sleepers");
   if (track.sleeper.model == SleeperModel::beam) mesh.emplace(track);
   require(!mesh || (given.ballast.mass == 0 && (sides == 2 || track.rails == 2)),
@@ -64,8 +63,16 @@ Line::Impl::Impl(const LineParameters& given)
   require(!given.pad.uplift || given.moved == 0, "pads with uplift are for a track alone");
   require(!mesh || given.moved == 0 || given.moves == MovedPart::ground,
           "moved sleepers are rigid");
-  elements = static_cast<std::size_t>(bays * track.elements);
-  element_length = track.length / static_cast<double>(elements);
+  node_x.push_back(0);
+  for (const EvenPart& part : track.even_parts()) {
+    const std::int64_t count = part.count * track.elements;
+    const double each = (part.to - part.from) / static_cast<double>(count);
+    for (std::int64_t e = 1; e <= count; ++e) {
+      node_x.push_back(part.from + static_cast<double>(e) * each);
+      element_length.push_back(each);
+    }
+  }
+  elements = element_length.size();
   number();
   assemble();
 }
@@ -86,7 +93,7 @@ void Line::Impl::number() {
       nodes[side].push_back({w, unknowns++});
     }
     if (!has_sleeper(n)) continue;
-    Sleeper sleeper{.x = node_x(n), .unknown = {-1, -1}, .pad = {}};
+    Sleeper sleeper{.x = node_x[n], .unknown = {-1, -1}, .pad = {}};
     if (mesh)
       number_across(sleeper);
     else if (!is_moved(sleepers.size())) {
@@ -132,17 +139,16 @@ double Line::Impl::gap_below(double x, std::size_t side) const {
 }
 
 double Line::Impl::rail_factor(std::size_t e, std::size_t side) const {
-  return zone_factor(&TrackZone::rail, (static_cast<double>(e) + 0.5) * element_length, side);
+  return zone_factor(&TrackZone::rail, middle(e), side);
 }
 
 // An element belongs to the zone that contains its middle. Constructed at each call, which is
 // simpler than storing one per element and inexpensive.
 BeamElement Line::Impl::element(std::size_t e, std::size_t side) const {
-  const double middle = (static_cast<double>(e) + 0.5) * element_length;
   Beam here = beam.times(rail_factor(e, side));
-  here.bending_stiffness *= run_in(middle);
-  here.shear_stiffness *= run_in(middle);
-  return {here, element_length};
+  here.bending_stiffness *= run_in(middle(e));
+  here.shear_stiffness *= run_in(middle(e));
+  return {here, element_length[e]};
 }
 
 std::array<std::int32_t, 4> Line::Impl::unknowns_of(std::size_t e, std::size_t side) const {
@@ -157,7 +163,7 @@ void Line::Impl::assemble_element(std::size_t e, std::size_t side) {
   Matrix4 k = rail.stiffness(), c = Matrix4::Zero();
   const Matrix4 m = rail.mass();
   if (parameters.track.support == Support::continuous) {
-    const double factor = bed_factor((static_cast<double>(e) + 0.5) * element_length, side);
+    const double factor = bed_factor(middle(e), side);
     k += parameters.track.bed_stiffness * factor * rail.bed();
     c += parameters.track.bed_damping * factor * rail.bed();
   }
@@ -208,7 +214,7 @@ double Line::Impl::preload(std::size_t index, std::size_t side) const {
   const std::size_t at = index * bay, elements = nodes[side].size() - 1;
   double mass = 0;
   for (std::size_t e = at - std::min(at, bay); e < std::min(at + bay, elements); ++e)
-    mass += beam.times(rail_factor(e, side)).mass * element_length / 2;
+    mass += beam.times(rail_factor(e, side)).mass * element_length[e] / 2;
   return mass * gravity;
 }
 

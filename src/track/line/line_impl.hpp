@@ -66,7 +66,8 @@ struct Line::Impl {
   BeamElement across_element(const Sleeper& sleeper, std::size_t e) const;
   std::array<std::int32_t, 4> unknowns_across(const Sleeper& sleeper, std::size_t e) const;
   std::array<double, 2> bed_across(const Sleeper& sleeper, std::size_t e) const;
-  double node_x(std::size_t n) const { return static_cast<double>(n) * element_length; }
+  double middle(std::size_t e) const { return node_x[e] + element_length[e] / 2; }  // m
+  std::size_t element_at(double x) const;
   double run_in(double x) const;
   Matrix2 pad_factors(std::size_t index) const;
   double preload(std::size_t index, std::size_t side) const;
@@ -90,7 +91,7 @@ struct Line::Impl {
   std::size_t sides;
   std::optional<SleeperMesh> mesh;             // of bending sleepers
   std::size_t elements = 0;                    // of a rail
-  double element_length = 0;                   // m
+  std::vector<double> node_x, element_length;  // m, of a rail
   std::array<std::vector<RailNode>, 2> nodes;  // of each side
   std::vector<Sleeper> sleepers;
   std::int32_t unknowns = 0;

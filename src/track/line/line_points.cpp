@@ -1,11 +1,20 @@
 // Evaluation of a Line: points of its rails, forces of its pads and stops.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 #include "track/line/line_impl.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::track {
+
+namespace {
+
+constexpr double rounding = 1e-9;      // m, of positions of sleepers, which are sums
+constexpr double most_spacings = 1e7;  // of a part; so many elements are refused
+
+}  // namespace
 
 // An unlimited damper force would jump when the gap closes, and Newton's method of the contacts
 // would not converge.
@@ -35,15 +44,51 @@ double Stop::energy(double approach) const {
 // A position on the common border of two zones belongs to the second zone only. At the end of the
 // track there is no second zone.
 bool TrackZone::covers(double x, std::size_t of_side, double length) const {
-  constexpr double rounding = 1e-9;  // m, of positions of sleepers, which are sums
   const bool ends = x > length - rounding && to > length - rounding;
   return x > from - rounding && (x < to - rounding || ends) &&
          (side == ZoneSide::both || (side == ZoneSide::left) == (of_side == 0));
 }
 
-// As the rail's nodes: the length may differ from whole spacings by rounding of the deck.
+// The length of a part may differ from whole spacings by rounding of the deck.
+std::vector<EvenPart> TrackParameters::even_parts() const {
+  std::vector<EvenPart> parts;
+  const auto add = [&parts](double from, double to, double apart) {
+    parts.push_back({from, to, std::llround(std::clamp((to - from) / apart, 1.0, most_spacings))});
+  };
+  std::vector<TrackZone> own;
+  std::copy_if(zones.begin(), zones.end(), std::back_inserter(own),
+               [](const TrackZone& zone) { return zone.spacing > 0; });
+  std::sort(own.begin(), own.end(),
+            [](const TrackZone& one, const TrackZone& other) { return one.from < other.from; });
+  double end = 0;
+  for (const TrackZone& zone : own) {
+    if (zone.from > end + rounding) add(end, zone.from, spacing);
+    add(zone.from, zone.to, zone.spacing);
+    end = zone.to;
+  }
+  if (own.empty() || length > end + rounding) add(end, length, spacing);
+  return parts;
+}
+
+std::size_t TrackParameters::sleepers() const {
+  std::int64_t count = 1;
+  for (const EvenPart& part : even_parts()) count += part.count;
+  return static_cast<std::size_t>(count);
+}
+
 double TrackParameters::sleeper_x(std::size_t n) const {
-  return static_cast<double>(n) * (length / std::round(length / spacing));
+  auto more = static_cast<std::int64_t>(n);
+  for (const EvenPart& part : even_parts()) {
+    if (more <= part.count) return part.from + static_cast<double>(more) * part.spacing();
+    more -= part.count;
+  }
+  return length + static_cast<double>(more) * spacing;
+}
+
+double TrackParameters::least_spacing() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const EvenPart& part : even_parts()) least = std::min(least, part.spacing());
+  return least;
 }
 
 // Factors of overlapping zones multiply.
@@ -91,12 +136,17 @@ MovedPart Line::moves() const { return impl_->parameters.moves; }
 std::size_t Line::seats() const { return moved() * sides(); }
 
 // The last element includes the end of the track.
+std::size_t Line::Impl::element_at(double x) const {
+  const auto beyond = std::upper_bound(node_x.begin(), node_x.end(), x) - node_x.begin();
+  return static_cast<std::size_t>(
+      std::clamp<std::ptrdiff_t>(beyond - 1, 0, static_cast<std::ptrdiff_t>(elements) - 1));
+}
+
 RailPoint Line::at(double x, std::size_t side) const {
   RailPoint point;
   if (x < 0 || x > length()) return point;
-  const double along = x / impl_->element_length;
-  const std::size_t e = std::min(static_cast<std::size_t>(along), impl_->elements - 1);
-  const double xi = along - static_cast<double>(e);
+  const std::size_t e = impl_->element_at(x);
+  const double xi = (x - impl_->node_x[e]) / impl_->element_length[e];
   const BeamElement rail = impl_->element(e, side);
   const Four shape = rail.deflection(xi);
   point.unknown = impl_->unknowns_of(e, side);
@@ -114,9 +164,11 @@ std::vector<RailNodes> Line::rail_nodes() const {
 }
 
 std::size_t Line::nearest_sleeper(double x) const {
-  const auto last = static_cast<double>(sleepers() - 1);
-  const double number = std::round(x / impl_->parameters.track.spacing);
-  return static_cast<std::size_t>(std::clamp(number, 0.0, last));
+  // Of two at the same distance the later one, whatever the rounding.
+  std::size_t nearest = 0;
+  for (std::size_t n = 1; n < sleepers(); ++n)
+    if (std::abs(sleeper_x(n) - x) <= std::abs(sleeper_x(nearest) - x) + rounding) nearest = n;
+  return nearest;
 }
 
 // The pad has no mass, so that its force on sleeper and rail is the same.
@@ -195,13 +247,13 @@ void Line::add_seats(const std::vector<Seat>& seats, Vector& to) const {
 // included as consistent forces.
 double Line::bending_moment(double x, const Vector& u, std::size_t side) const {
   const Impl& impl = *impl_;
-  const auto node = static_cast<std::size_t>(std::llround(x / impl.element_length));
+  const std::size_t e = impl.element_at(x);
+  const std::size_t node = e + (x - impl.node_x[e] > impl.element_length[e] / 2 ? 1 : 0);
   require(node >= 1 && node <= impl.elements, "bending moments are evaluated left of a node");
   const BeamElement rail = impl.element(node - 1, side);
   Matrix4 k = rail.stiffness();
   if (impl.parameters.track.support == Support::continuous)
-    k += impl.parameters.track.bed_stiffness *
-         impl.bed_factor((static_cast<double>(node) - 0.5) * impl.element_length, side) *
+    k += impl.parameters.track.bed_stiffness * impl.bed_factor(impl.middle(node - 1), side) *
          rail.bed();
   const auto unknown = impl.unknowns_of(node - 1, side);
   Four ends = Four::Zero();

@@ -57,7 +57,7 @@ LineParameters on_moved_sleepers(const TrainOnBedParameters& p) {
 // The order of the members matters: the passage keeps references to line and train.
 struct TrainOnBed::Impl {
   Impl(const TrainOnBedParameters& p, const std::vector<double>& at)
-      : begin(p.first - static_cast<double>(p.seat.before) * p.line.track.spacing),
+      : begin(p.first - p.line.track.sleeper_x(static_cast<std::size_t>(p.seat.before))),
         levels(at),
         line(on_moved_sleepers(p)),
         rails(rails_of_seat(p)),

@@ -1,6 +1,7 @@
 // Parameters of the track as a structure and of the run of a train over it, each declared once.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "trackbed/track/passage.hpp"
@@ -11,6 +12,8 @@ namespace {
 
 // Relative, of lengths that should be multiples but are written with few digits.
 constexpr double whole_multiple = 1e-6;
+
+constexpr double border = 1e-9;  // m, rounding of borders of zones
 
 bool is_multiple(double length, double of) {
   const double ratio = length / of;
@@ -128,6 +131,11 @@ void TrackZone::declare(input::Section& s) {
       "footprint", footprint, {.at_least = 0.01, .at_most = 1000, .usually_to = 4},
       "Factor on the width (along the track) of the footprints of sleepers on a ground: wider "
       "or narrower sleepers. The ballast spring does not change with it; for that give `bed`.");
+  s.number("spacing", spacing, {.unit = "m", .at_least = 0, .usually_from = 0.1, .usually_to = 30},
+           "Sleeper spacing in the zone, which begins and ends with a sleeper: its length must be "
+           "a multiple of it; 0: that of the track. The last sleeper is not part of the zone and "
+           "does not have its factors (see `to`). Without sleepers it only changes the length of "
+           "the rail's elements.");
   s.number("gap", gap, {.unit = "m", .at_least = 0, .at_most = 100, .usually_to = 0.02},
            "Gap between sleepers and ballast of the unloaded track (hanging sleepers).");
   s.choice("side", side, {"both", "left", "right"},
@@ -154,11 +162,13 @@ void TrackParameters::declare_space(input::Section& s) {
     const std::string side = fmt::format("zone[{}].side", i);
     s.rule(side, zones[i].side == ZoneSide::both || dimension == Dimension::space,
            "needs dimension = \"space\"", {.reads = {"dimension", "zone"}});
-    s.rule(side,
-           zones[i].side == ZoneSide::both || (zones[i].sleeper == 1 && zones[i].footprint == 1),
-           "must be \"both\" with `sleeper` or `footprint`, which are of whole sleepers: give them "
-           "in a zone of their own",
-           {.reads = {"zone"}});
+    s.rule(
+        side,
+        zones[i].side == ZoneSide::both ||
+            (zones[i].sleeper == 1 && zones[i].footprint == 1 && zones[i].spacing == 0),
+        "must be \"both\" with `sleeper`, `footprint` or `spacing`, which are of whole sleepers: "
+        "give them in a zone of their own",
+        {.reads = {"zone"}});
   }
 }
 
@@ -211,6 +221,53 @@ void TrackParameters::declare_sleepers(input::Section& s) {
          "has no effect on a plane track with rigid sleepers", about);
 }
 
+// A sleeper is at each border of a zone with its own spacing.
+void TrackParameters::declare_spacings(input::Section& s) {
+  const input::About about{.reads = {"length", "spacing", "zone"}};
+  const auto such = [](double long_, double apart) {
+    const double fewer = std::max(1.0, std::floor(long_ / apart));
+    return fmt::format("such as {:g} or {:g} m", fewer * apart, (fewer + 1) * apart);
+  };
+  std::vector<std::size_t> own;
+  for (std::size_t i = 0; i < zones.size(); ++i)
+    if (zones[i].spacing > 0) own.push_back(i);
+  std::sort(own.begin(), own.end(), [this](std::size_t one, std::size_t other) {
+    return zones[one].from < zones[other].from;
+  });
+  if (own.empty())
+    return s.rule("length", is_multiple(length, spacing),
+                  fmt::format("must be a multiple of track.spacing ({:g} m), {}", spacing,
+                              such(length, spacing)),
+                  about);
+  double end = 0;  // m, of the zone before
+  const auto between = [&](const std::string& key, double to) {
+    s.rule(key, to <= end + border || is_multiple(to - end, spacing),
+           fmt::format("leaves {:g} m from x = {:g} m with the spacing of the track; this length "
+                       "must be a multiple of track.spacing ({:g} m), {}",
+                       to - end, end, spacing, such(to - end, spacing)),
+           about);
+  };
+  for (const std::size_t i : own) {
+    const TrackZone& zone = zones[i];
+    const std::string key = fmt::format("zone[{}].", i);
+    s.rule(key + "from", zone.from >= end - border,
+           fmt::format("must be at least {:g} m, where {}: zones with `spacing` must not overlap",
+                       end, end == 0 ? "the track begins" : "another zone with `spacing` ends"),
+           about);
+    s.rule(key + "to", zone.to <= length + border,
+           fmt::format("must be at most {:g} m, the length of the track, with `spacing`", length),
+           about);
+    s.rule(key + "to", is_multiple(zone.to - zone.from, zone.spacing),
+           fmt::format("makes the zone {:g} m long; its length must be a multiple of its spacing "
+                       "({:g} m), {}",
+                       zone.to - zone.from, zone.spacing, such(zone.to - zone.from, zone.spacing)),
+           about);
+    if (zone.from >= end - border) between(key + "from", zone.from);
+    end = zone.to;
+  }
+  if (end <= length + border) between("length", length);
+}
+
 // All values are for one rail, except those of the sleeper, as usual in drawings.
 void TrackParameters::declare(input::Section& s) {
   s.choice(
@@ -227,7 +284,8 @@ void TrackParameters::declare(input::Section& s) {
   s.number("length", length, {.unit = "m", .above = 0, .usually_to = 2000},
            "Length of the track, from x = 0; beyond its ends wheels roll on rigid rails.");
   s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.1, .usually_to = 30},
-           "Sleeper spacing; the length of the track must be a multiple of it.");
+           "Sleeper spacing; the length of the track, or of each part between zones with a "
+           "spacing of their own, must be a multiple of it.");
   s.integer("elements", elements, {.at_least = 1, .at_most = 100},
             "Number of rail elements per sleeper spacing.");
   s.number("sleeper_mass", sleeper_mass,
@@ -249,11 +307,7 @@ void TrackParameters::declare(input::Section& s) {
   s.table("sleeper", sleeper, "Sleepers as beams across the track.");
   declare_space(s);
   declare_sleepers(s);
-  const double fewer = std::max(1.0, std::floor(length / spacing));
-  s.rule("length", is_multiple(length, spacing),
-         fmt::format("must be a multiple of track.spacing ({:g} m), such as {:g} or {:g} m",
-                     spacing, fewer * spacing, (fewer + 1) * spacing),
-         {.reads = {"length", "spacing"}});
+  declare_spacings(s);
   s.rule("ends", support != Support::none || ends == RailEnds::pinned,
          "must be \"pinned\": the rail has no other support");
   for (std::size_t i = 0; i < zones.size(); ++i)

@@ -44,6 +44,25 @@ TEST(TrackAloneRules, TheTrackIsSupportedAndFits) {
   EXPECT_EQ(broken<TrackZone>([](TrackZone& z) { z.from = 2, z.to = 2; }), Names{"to"});
 }
 
+TEST(TrackAloneRules, ZonesWithTheirOwnSpacingFit) {
+  using Zones = std::vector<TrackZone>;
+  const auto zoned = [](const Zones& zones, double length = 60) {
+    return broken<TrackParameters>([&](TrackParameters& p) { p.zones = zones, p.length = length; });
+  };
+  EXPECT_EQ(zoned({{.from = 12, .to = 15, .spacing = 0.75}}), Names{});
+  EXPECT_EQ(zoned({{.from = 57, .to = 60, .spacing = 0.5}, {.from = 0, .to = 9, .spacing = 0.9}}),
+            Names{});
+  EXPECT_EQ(zoned({{.from = 12, .to = 15.1, .spacing = 0.75}}), (Names{"zone[0].to", "length"}));
+  EXPECT_EQ(zoned({{.from = 12.1, .to = 15.1, .spacing = 0.75}}),
+            (Names{"zone[0].from", "length"}));
+  EXPECT_EQ(zoned({{.from = 12, .to = 15, .spacing = 0.75}}, 60.1), Names{"length"});
+  EXPECT_EQ(
+      zoned({{.from = 12, .to = 15, .spacing = 0.75}, {.from = 13.5, .to = 18, .spacing = 1}}),
+      (Names{"zone[1].from", "zone[1].to"}));
+  EXPECT_EQ(zoned({{.from = -3, .to = 3, .spacing = 0.75}}), Names{"zone[0].from"});
+  EXPECT_EQ(zoned({{.from = 57, .to = 63, .spacing = 0.75}}), Names{"zone[0].to"});
+}
+
 TEST(TrackAloneRules, VehiclesHaveWhatTheirKindNeeds) {
   using V = VehicleParameters;
   EXPECT_EQ(broken<V>([](V& v) { v.like = "manchester_1"; }), Names{});
