@@ -90,6 +90,18 @@ def require_same_deck(deck, case):
     write.whole(stored, json.dumps(now).encode())
 
 
+def begin(words, log):
+    """Starts a process; (process, whether Ctrl-C came meanwhile), which would otherwise leave a
+    process that nobody waits for."""
+    asked = []
+    before = signal.signal(signal.SIGINT, lambda *_: asked.append(True))
+    try:
+        child = subprocess.Popen(words, stdout=log, stderr=log, start_new_session=True)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    return child, bool(asked)
+
+
 def run(case, deck, program, ranks):
     """Runs or resumes a case; exit code. Ctrl-C lets the run write its checkpoint first."""
     start = ["mpirun", "-n", str(ranks), "--oversubscribe", "--bind-to", "none"] if ranks > 1 \
@@ -97,9 +109,10 @@ def run(case, deck, program, ranks):
     words = ["resume", str(case.folder)] if state_of(case) == "stopped" else \
         ["run", str(deck), *case.words(), "--force", "-o", str(case.folder)]
     with open(case.folder / "log.txt", "ab") as log:
-        child = subprocess.Popen([*start, str(program), *words], stdout=log, stderr=log,
-                                 start_new_session=True)
+        child, asked = begin([*start, str(program), *words], log)
         try:
+            if asked:
+                raise KeyboardInterrupt
             return child.wait()
         except KeyboardInterrupt:
             # mpirun passes SIGUSR1 on to the ranks and waits for their checkpoint.
@@ -210,7 +223,17 @@ def require_valid(deck, case, program):
 
 def run_all(deck, every, program, ranks):
     """Runs the Cases in turn and prints how each ends; (those that are finished, exit code)."""
-    done, ending = [], 0
+    done = []
+    try:
+        return done, run_in_turn(deck, every, program, ranks, done)
+    except KeyboardInterrupt:  # between two runs
+        print("stopped; run the same command again to continue")
+        return done, STOPPED
+
+
+def run_in_turn(deck, every, program, ranks, done):
+    """As run_all; appends finished Cases to `done` and returns the exit code."""
+    ending = 0
     if any(state_of(case) == "new" for case in every):
         require_valid(deck, every[0], program)
     for number, case in enumerate(every, 1):
@@ -227,11 +250,11 @@ def run_all(deck, every, program, ranks):
             continue
         if code == STOPPED:
             print(f"{case.folder}: stopped; run the same command again to continue")
-            return done, STOPPED
+            return STOPPED
         ending = read.Unreadable.code
         print(f"{case.folder}: ended with code {code}; the reason is in "
               f"{case.folder / 'log.txt'}")
-    return done, ending
+    return ending
 
 
 def write_results(done, folder, quantity="", place=-1):
