@@ -419,7 +419,7 @@ def measure_stones(name, place, numbers, lines):
         if stage["name"] == "trains":
             numbers.put(name, "settlement in the last train of the preparation",
                         1e3 * stage["settlement_m"], "mm")
-    if TRAINED in name.replace("_", " "):
+    if as_file(TRAINED) in name:
         put_trains(name, run, numbers)
     put_histories(name, time, x, run, rows, lines)
     if kept.max() <= KEPT:  # a support that fails shakes its neighbours

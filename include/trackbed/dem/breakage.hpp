@@ -26,7 +26,7 @@ struct BreakageParameters {
   double weibull = 3.4;            // modulus
   double threshold = 0.5;          // of the largest radius
   double birth_size = 0.5;         // of a fragment, at most, of its final size
-  std::int64_t growth_steps = 50;  // sub-steps up to its final size, if there is space
+  std::int64_t growth_steps = 50;  // sub-steps for half of its final size, if there is space
   double growth_overlap = 1e-3;    // of its final radius: it waits while contacts have more
   double least_size = 0;           // m, diameter of fragments; 0: the lightest stone's mass
   std::int64_t seed = 1;
@@ -47,7 +47,8 @@ struct Break {
   Vec3 position = Vec3::Zero();   // m, centre of the fragment
   double diameter = 0, mass = 0;  // m, kg, of the fragment or of the fines
   double force = 0;               // N, along the normal of the contact that broke it
-  double released = 0, lost = 0;  // J: elastic energy of its contacts; kinetic energy lost
+  // J: elastic energy of the normal spring of that contact; kinetic energy lost
+  double released = 0, lost = 0;
 };
 
 // Sums over all ranks since the particles exist; bitwise identical for any number of ranks.

@@ -33,10 +33,6 @@ constexpr double stone_triangle_cost = 5, stone_feature_cost = 25, stone_patch_c
 // Entries and features per contact in such beds, where there are no lists yet.
 constexpr double entries_per_contact = 2, stone_entries_per_contact = 4, features_per_contact = 5;
 
-// Lists must hold what two fragments that grow may reach at a time, over the radius of the smallest
-// (breakage.cpp: 0.1 each), and some motion.
-constexpr double growth_in_lists = 0.4;
-
 constexpr double least_gain = 1.05;  // of the slowest rank; below it a new partition does not pay
 
 // Sizes are counted in steps of a quarter octave.

@@ -1,10 +1,12 @@
-// State of the breakage of corners; the operations are in breakage.cpp.
+// State of the breakage of corners; the operations are in breakage.cpp, break_off.cpp,
+// fragment_growth.cpp and breakage_file.cpp.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <map>
-#include <optional>
+#include <numbers>
+#include <unordered_map>
 #include <vector>
 
 #include "dem/state/state.hpp"
@@ -12,6 +14,15 @@
 #include "trackbed/geom/stone.hpp"
 
 namespace trackbed::dem {
+
+inline double ball_volume(double radius) {
+  return 4 * std::numbers::pi / 3 * radius * radius * radius;
+}
+inline double radius_of(double volume) { return std::cbrt(3 * volume / (4 * std::numbers::pi)); }
+
+// The longest growth of a fragment at a time over the radius of the smallest one. Lists must hold
+// what two of them may reach, and some motion.
+inline constexpr double longest_growth = 0.1, growth_in_lists = 4 * longest_growth;
 
 // A pebble that was loaded beyond its strength, of an own stone. Members have 8 bytes: ranks
 // exchange them as they are in memory.
@@ -26,11 +37,17 @@ struct Crack {
 // What becomes of a shape when it loses a pebble.
 struct Loss {
   std::int64_t shape = 0;            // number of the remainder's template
-  std::size_t piece = 0;             // number of the pebble among the pieces
   geom::Remainder rest;              // at unit scale
   Vec3 out = Vec3::Zero();           // unit vector from the pebble's centre to its lost part
   geom::Sphere pebble;               // m at unit scale
   std::vector<geom::Sphere> beside;  // the other balls, m at unit scale
+};
+
+// A stone while its pebbles break off: present template, and what its former pieces have become,
+// -1: lost; none: all are there.
+struct Changed {
+  std::int64_t shape;
+  std::vector<std::int64_t> pieces;
 };
 
 // Where a fragment begins, at unit scale in the axes of the whole stone.

@@ -96,14 +96,18 @@ struct Particles::Impl {
   void derive_one(std::size_t b);
   void derive_size(std::size_t b);  // quantities that depend on mass and size
   void grow_to(double fraction);    // grow.cpp
-  // breakage.cpp
+  // breakage.cpp, break_off.cpp, fragment_growth.cpp, breakage_file.cpp
   template <class Visit>
   void visit_weak(std::size_t b, Visit&& visit) const;
   void find_strengths();  // of the pebbles in the lists
-  // A contact of the piece, whose normal spring has this force (N) at this overlap (m).
-  void watch(std::size_t piece, const Law& law, double force, double overlap);
+  // A contact of the piece: its reduced radius and overlap, m.
+  void watch(std::size_t piece, const Law& law, double radius, double overlap);
   void watch_near_pairs();
   void break_off();  // pebbles that were overloaded; collective
+  double break_off(const Crack& crack, double depth, Changed& stone);
+  void check_bound() const;
+  std::optional<std::size_t> own_number(Id id) const;
+  std::optional<std::size_t> piece_of(std::int64_t shape, std::int64_t pebble) const;
   std::vector<Crack> gather_cracks();
   void forget_cracks(const std::vector<Id>& gone);  // ascending
   const Loss& loss_of(std::int64_t shape, std::size_t piece);

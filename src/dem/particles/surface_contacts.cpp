@@ -120,7 +120,7 @@ void Particles::Impl::apply_ball_contact(Approach& a, const MeshContact& c, cons
   const auto contact = contact_force(k, touch, spring, remains, step.dt, xi);
   patch.xi.set(vec3(xi)), patch.size = k.size;
   if (!breaking.strength.empty())
-    watch(p, laws[static_cast<std::size_t>(a.law)], k.k_n * touch.delta, touch.delta);
+    watch(p, laws[static_cast<std::size_t>(a.law)], piece.w, touch.delta);
   const Vec3 force = vec3(contact.friction) - contact.normal * c.normal, torque = arm.cross(force);
   state.f[b].set(state.f[b].vec3() + force);
   state.t[b].set(state.t[b].vec3() + torque);

@@ -1,0 +1,112 @@
+// The state of breakage in a checkpoint.
+#include <cmath>
+
+#include "dem/particles/impl.hpp"
+#include "trackbed/dem/templates.hpp"
+
+namespace trackbed::dem {
+
+namespace {
+
+constexpr int crack_columns = sizeof(Crack) / sizeof(double);
+constexpr int break_columns = 12;
+
+}  // namespace
+
+void Particles::Impl::save_breakage(io::File& file, const std::string& group) const {
+  const Breaking& b = breaking;
+  if (b.parameters.strength == 0 && b.ball < 0) return;
+  const std::string at = group + "/breakage";
+  std::vector<std::int64_t> labels;
+  if (comm.root()) labels = shapes.labels();
+  file.write<std::int64_t>(at + "/labels", labels, 1,
+                           {"-", "of each piece of the templates: its number in the whole stone"});
+  std::vector<double> cracks, breaks;
+  for (const Crack& c : b.cracks)
+    cracks.insert(cracks.end(),
+                  {static_cast<double>(c.stone), static_cast<double>(c.pebble),
+                   static_cast<double>(c.shape), c.scale, c.density, c.force, c.overlap, c.energy});
+  for (const Break& e : b.breaks)
+    breaks.insert(breaks.end(),
+                  {e.time, static_cast<double>(e.stone), static_cast<double>(e.fragment),
+                   static_cast<double>(e.pebble), e.position.x(), e.position.y(), e.position.z(),
+                   e.diameter, e.mass, e.force, e.released, e.lost});
+  file.write<double>(at + "/cracks", cracks, crack_columns,
+                     {"-, -, -, -, kg/m3, N, m, J",
+                      "pebbles that break off in the next window: stone, pebble, template, scale, "
+                      "density, force, overlap, energy"});
+  file.write<double>(
+      at + "/breaks", breaks, break_columns,
+      {"s, -, -, -, m, m, m, m, kg, N, J, J",
+       "pebbles that broke off: time, stone, fragment (-1: fines), pebble, x, y, z, "
+       "diameter, mass, force, elastic energy of this contact, kinetic energy lost"});
+  file.attribute(group, "breaking", static_cast<std::int64_t>(b.active));
+  file.attribute(group, "break_ball", static_cast<std::int64_t>(b.ball));
+  file.attribute(group, "break_next", b.next);
+  file.attribute(group, "break_pending", b.pending);
+  file.attribute(group, "break_least_mass", b.least_mass);
+  file.attribute(group, "break_least_radius", b.least_radius);
+  file.attribute(group, "break_largest_radius", b.largest_radius);
+  file.attribute(group, "break_elapsed", b.elapsed);
+  file.attribute(group, "break_fragments", b.totals.fragments);
+  file.attribute(group, "break_fines", b.totals.fines);
+  file.attribute(group, "break_fragment_mass", b.totals.fragment_mass);
+  file.attribute(group, "break_fines_mass", b.totals.fines_mass);
+  file.attribute(group, "break_released", b.totals.released);
+  file.attribute(group, "break_lost", b.totals.lost);
+}
+
+void Particles::Impl::load_shapes(const io::File& file, const std::string& group) {
+  const std::string path = group + "/breakage/labels";
+  std::vector<std::int64_t> labels;
+  if (file.has(path)) labels = file.read_all<std::int64_t>(path);
+  std::size_t first = 0;
+  for (const Template& shape : load_templates(file, group + "/template")) {
+    const std::size_t end = first + shape.pieces.size();
+    const auto at = [&](std::size_t k) { return labels.begin() + static_cast<std::ptrdiff_t>(k); };
+    if (end <= labels.size())
+      shapes.add(shape, {at(first), at(end)});
+    else
+      shapes.add(shape);
+    first = end;
+  }
+}
+
+// A state without breakage begins it with its next stage.
+void Particles::Impl::load_breakage(const io::File& file, const std::string& group) {
+  Breaking& b = breaking;
+  const BreakageParameters parameters = b.parameters;
+  const int material = b.material;
+  b = {};
+  b.parameters = parameters, b.material = material;
+  const std::string at = group + "/breakage";
+  if (!file.has(at + "/cracks")) return;
+  const auto whole = [](double value) { return std::llround(value); };
+  const auto cracks = file.read_own_rows<double>(at + "/cracks");
+  for (std::size_t k = 0; k + crack_columns <= cracks.size(); k += crack_columns) {
+    const double* c = cracks.data() + k;
+    b.cracks.push_back({whole(c[0]), whole(c[1]), whole(c[2]), c[3], c[4], c[5], c[6], c[7]});
+  }
+  const auto breaks = file.read_own_rows<double>(at + "/breaks");
+  for (std::size_t k = 0; k + break_columns <= breaks.size(); k += break_columns) {
+    const double* e = breaks.data() + k;
+    b.breaks.push_back({e[0], whole(e[1]), whole(e[2]), whole(e[3]), Vec3(e[4], e[5], e[6]), e[7],
+                        e[8], e[9], e[10], e[11]});
+  }
+  b.active = file.integer_attribute(group, "breaking") != 0;
+  b.ball = static_cast<int>(file.integer_attribute(group, "break_ball"));
+  b.next = file.integer_attribute(group, "break_next");
+  b.pending = file.integer_attribute(group, "break_pending");
+  b.least_mass = file.number_attribute(group, "break_least_mass");
+  b.least_radius = file.number_attribute(group, "break_least_radius");
+  b.largest_radius = file.number_attribute(group, "break_largest_radius");
+  b.elapsed = file.number_attribute(group, "break_elapsed");
+  b.totals = {file.integer_attribute(group, "break_fragments"),
+              file.integer_attribute(group, "break_fines"),
+              file.number_attribute(group, "break_fragment_mass"),
+              file.number_attribute(group, "break_fines_mass"),
+              file.number_attribute(group, "break_released"),
+              file.number_attribute(group, "break_lost")};
+}
+
+}  // namespace trackbed::dem
