@@ -39,6 +39,7 @@ HERTZ = ["contact.0.law=hertz", "contact.1.law=hertz", "material.0.young=3e9",
          "material.1.young=3e9"]
 NEWMARK = ["ground.integrator=newmark"]
 POWER = ["load.kind=power"]
+WHEEL = ["load.wheel_load=20e3"]
 TABLE = ["load.kind=table", "load.file={folder}/weak.csv"]
 SIDES = [*SPACE, "load.kind=seats", "load.file={folder}/sides.csv", "load.gauge=0.1",
          'sleepers.free=["z", "rx"]']
@@ -212,6 +213,10 @@ KNOBS = {
     "load.start": ("load.start=0.1", []),
     "load.decay": ("load.decay=2", []),
     "load.ratio": ("load.ratio=0.7", POWER),
+    "load.wheel_load": ("load.wheel_load=20e3", []),
+    "load.wheel_diameter": ("load.wheel_diameter=0.9", WHEEL),
+    "load.seat_share": ("load.seat_share=0.5", WHEEL),
+    "load.slice": ("load.slice=0.5", WHEEL),
     "load.gauge": ("load.gauge=0.2", SIDES),
     "load.file": ("load.file={folder}/strong.csv", TABLE),
     "seat.before": ("seat.before=11", ON_BED),

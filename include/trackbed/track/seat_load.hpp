@@ -18,7 +18,7 @@ enum class SeatLoadKind { winkler, power, table, seats };
 // = distance of axle from sleeper.
 struct SeatLoadParameters {
   SeatLoadKind kind = SeatLoadKind::winkler;
-  double peak = 71.1e3;       // N, of a single axle
+  double peak = 71.1e3;       // N, of a single axle; not used if there is a wheel load
   double speed = 18.6667;     // m/s
   std::vector<double> axles;  // m behind the first axle
   double start = 0;           // m, x of the first axle at the start of the passage
@@ -26,7 +26,17 @@ struct SeatLoadParameters {
   double ratio = 0.5531;      // X of power
   std::string file;           // table, seats
   double gauge = 0;           // m, between two seats of a sleeper with a column each; 0: one seat
+  // The peak from the load of a wheel, by the rules of AREA (1974) as quoted by Chen et al. (2023,
+  // doi:10.1016/j.compgeo.2022.105105).
+  double wheel_load = 0;      // N, static; 0: `peak` is given
+  double wheel_diameter = 0;  // m; 0: the wheel load does not grow with speed
+  double seat_share = 0.4;    // of the wheel load on the seat directly below
+  double slice = 1;           // of this seat load on a sleeper of the model
   void declare(input::Section& s);
+  double impact_factor() const;       // dynamic over static wheel load, at `speed`
+  double dynamic_wheel_load() const;  // N
+  double largest_seat_load() const;   // N, of one rail, below a wheel
+  double peak_load() const;           // N, on a sleeper of the model below an axle
   bool is_table() const { return kind == SeatLoadKind::table || kind == SeatLoadKind::seats; }
 };
 

@@ -202,7 +202,7 @@ void declare_begin(const Model& model, const Stage& stage, const input::About& a
                      load.start - p.lead, p.where),
          {.severity = input::Severity::warning, .reads = about.reads});
   const double at_first = track::SeatLoad(load, model.sleepers.spacing).at(p.first, 0);
-  const double jump = load.peak > 0 ? at_first / load.peak : 0;
+  const double jump = load.peak_load() > 0 ? at_first / load.peak_load() : 0;
   s.rule(
       "load.start", beyond || std::abs(jump) <= negligible,
       fmt::format("the load of the first sleeper begins with a jump of {:.2g} times the peak; "

@@ -28,8 +28,14 @@ std::string words_of_springs(const fem::GroundParameters& ground) {
 
 std::string words_of_load(const track::SeatLoadParameters& load) {
   if (load.is_table()) return "; seat loads from " + load.file;
-  return fmt::format("; seat load peak {:.4g} kN at {:.2f} km/h, {} axles", load.peak / 1e3,
-                     load.speed * 3.6, load.axles.size());
+  std::string words = fmt::format("; seat load peak {:.4g} kN at {:.2f} km/h, {} axles",
+                                  load.peak_load() / 1e3, load.speed * 3.6, load.axles.size());
+  if (load.wheel_load > 0)
+    words += fmt::format(
+        " (wheel load {:.4g} kN, with the impact factor {:.4g} {:.4g} kN; of a seat {:.4g} kN)",
+        load.wheel_load / 1e3, load.impact_factor(), load.dynamic_wheel_load() / 1e3,
+        load.largest_seat_load() / 1e3);
+  return words;
 }
 
 }  // namespace

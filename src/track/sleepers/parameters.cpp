@@ -57,6 +57,17 @@ void SleeperParameters::declare(input::Section& s) {
 }
 
 // Each kind of load uses some of these; the brackets state which.
+double SeatLoadParameters::impact_factor() const {
+  constexpr double growth = 5.21e-3, kmh = 3.6;  // growth: m h/km
+  return wheel_diameter > 0 ? 1 + growth * kmh * speed / wheel_diameter : 1;
+}
+
+double SeatLoadParameters::dynamic_wheel_load() const { return impact_factor() * wheel_load; }
+double SeatLoadParameters::largest_seat_load() const { return seat_share * dynamic_wheel_load(); }
+double SeatLoadParameters::peak_load() const {
+  return wheel_load > 0 ? slice * largest_seat_load() : peak;
+}
+
 void SeatLoadParameters::declare(input::Section& s) {
   s.choice("kind", kind, {"winkler", "power", "table", "seats"},
            "Seat loads; winkler: distributed along the track like the deflection of a beam on a "
@@ -87,7 +98,25 @@ void SeatLoadParameters::declare(input::Section& s) {
            "Distance between the two seats of a sleeper, each with a column: sleeper_0_left, "
            "sleeper_0_right and so on (seats, on a three-dimensional bed); 0: one seat in the "
            "middle.");
+  s.number("wheel_load", wheel_load,
+           {.unit = "N", .at_least = 0, .usually_from = 1e4, .usually_to = 3e5},
+           "Static load of a wheel, half of an axle load, from which the seat load of one axle is "
+           "computed in the place of `peak`: slice * seat_share * wheel_load * (1 + 5.21e-3 v/D), "
+           "with v in km/h and the wheel diameter D in m (winkler, power); 0: `peak` is given.");
+  s.number("wheel_diameter", wheel_diameter,
+           {.unit = "m", .at_least = 0, .usually_from = 0.3, .usually_to = 1.5},
+           "Wheel diameter D, for wheel_load; 0: the wheel load does not grow with the speed.");
+  s.number(
+      "seat_share", seat_share, {.above = 0, .at_most = 1},
+      "Part of the wheel load that the seat directly below the wheel carries, for wheel_load.");
+  s.number("slice", slice, {.above = 0, .at_most = 10},
+           "Ratio of the load on a sleeper of the model to that of a rail seat, for wheel_load: 1 "
+           "for half a track; for a slice its width divided by the effective length of the "
+           "sleeper below a seat.");
   s.rule("ratio", ratio < 1, "must be below 1");
+  s.rule(
+      "wheel_load", wheel_load == 0 || !is_table(),
+      "has no effect on a table of seat loads; remove it, or give kind = \"winkler\" or \"power\"");
   s.rule("gauge", gauge == 0 || kind == SeatLoadKind::seats,
          "needs kind = \"seats\", whose table has columns of both seats");
   s.rule("file", !is_table() || !file.empty(), "is needed for kind = \"table\" and \"seats\"");

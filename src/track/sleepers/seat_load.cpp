@@ -78,12 +78,12 @@ double SeatLoad::at(double x, double time, std::size_t sleeper) const {
                ? winkler(s, parameters_.decay)
                : std::pow(parameters_.ratio, (s / spacing_) * (s / spacing_));
   }
-  return parameters_.peak * sum;
+  return parameters_.peak_load() * sum;
 }
 
 // The bed's reaction on a spacing L directly below a wheel load Q is Q b L/2, see `winkler`.
 std::vector<AxleLoad> SeatLoad::axles(double time) const {
-  const double force = 2 * parameters_.peak / (parameters_.decay * spacing_);
+  const double force = 2 * parameters_.peak_load() / (parameters_.decay * spacing_);
   std::vector<AxleLoad> all;
   for (const double behind : parameters_.axles)
     all.push_back({parameters_.start + parameters_.speed * time - behind, force});

@@ -40,6 +40,32 @@ TEST(SeatLoad, SingleAxleGivesTheSeatLoadOfAWinklerBed) {
   EXPECT_NEAR(sum, 153.64e3, 0.02 * 153.64e3);
 }
 
+// Chen et al. 2023 (doi:10.1016/j.compgeo.2022.105105), equations 4 to 9 with table 2, for three of
+// their trains: axle load (t), speed (km/h), dynamic wheel load and seat load (kN), pressure below
+// a sleeper of 0.29 m by 2.5 m (kPa), delay from sleeper to sleeper (ms), of six digits.
+TEST(SeatLoad, WheelLoadsGivePublishedPressures) {
+  struct Case {
+    double tonnes, kmh, wheel, seat, pressure, delay;
+  };
+  for (const Case& c :
+       {Case{25, 120, 201.661, 80.664, 667.57, 18.00}, Case{17, 60, 110.257, 44.103, 364.99, 36.00},
+        Case{20, 150, 177.136, 70.854, 586.38, 14.40}}) {
+    constexpr double width = 0.29, effective = 2.5 / 3, safety = 2, digits = 1e-5;
+    SeatLoadParameters p;
+    p.kind = SeatLoadKind::power;
+    p.axles = {0};
+    p.speed = c.kmh / 3.6;
+    p.wheel_load = c.tonnes / 2 * 1e3 * 9.81;
+    p.wheel_diameter = 0.97;
+    p.slice = safety * 0.3 / effective;  // a slice of 0.3 m
+    EXPECT_NEAR(p.dynamic_wheel_load(), 1e3 * c.wheel, digits * 1e3 * c.wheel);
+    EXPECT_NEAR(p.largest_seat_load(), 1e3 * c.seat, digits * 1e3 * c.seat);
+    const SeatLoad load(p, spacing);
+    EXPECT_NEAR(load.at(0, 0) / (0.3 * width), 1e3 * c.pressure, 3 * digits * 1e3 * c.pressure);
+    EXPECT_NEAR(load.at(spacing, c.delay / 1e3), load.at(0, 0), rounding * load.at(0, 0));
+  }
+}
+
 TEST(SeatLoad, AxleLoadsCorrespondToThePeak) {
   SeatLoadParameters p = locomotive();
   p.start = -3;
