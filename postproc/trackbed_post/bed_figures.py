@@ -129,11 +129,12 @@ def section(runs):
 
 
 def breakage(runs):
-    """Pebbles that broke off: their number over time, their places, and the grading before and
-    after, with the ballast breakage index."""
+    """Parts that broke off: their number over time, their places, how many below each sleeper, and
+    the grading before and after, with the ballast breakage index."""
     needs(all(run.breaks for run in runs), "nothing can break in these runs")
     column = read.BREAK
     figure, (counts, places, sieves) = plt.subplots(3, 1, figsize=(8, 10))
+    shown = []
     for run, colour, mark in zip(runs, COLOURS, "ox"):
         rows = list(run.breaks.values())[-1]
         rows = rows[np.argsort(rows[:, column["time"]])]
@@ -144,7 +145,11 @@ def breakage(runs):
                     color=colour, label=f"{run.name}: fines")
         places.scatter(rows[:, column["x"]], rows[:, column["z"]], marker=mark, color=colour,
                        s=(2e3 * rows[:, column["diameter"]])**2 / 8, alpha=0.6,
-                       label=f"{run.name}: {len(rows)} pebbles")
+                       label=f"{run.name}: {len(rows)} parts")
+        if run.deck.get("sleepers", {}).get("count", 0) > 0:
+            near, below, _ = measures.breaks_by_sleeper(run, list(run.breaks)[-1])
+            shown.append(f"{run.name}, near each sleeper (below it): "
+                         + ", ".join(f"{a} ({b})" for a, b in zip(near, below)))
         stages = measures.stages_of_breakage(run)
         if stages is None:
             continue
@@ -155,7 +160,8 @@ def breakage(runs):
         sieves.plot(1e3 * sizes, before, "--", color=colour, lw=1, label=f"{run.name}, {stages[0]}")
         sieves.plot(1e3 * sizes, after, color=colour, lw=1.5,
                     label=f"{run.name}, {stages[1]}: BBI {index:.4f}")
-    counts.set(xlabel="simulated time (s)", ylabel="pebbles that broke off")
+    counts.set(xlabel="simulated time (s)", ylabel="parts that broke off")
+    places.set_title("\n".join(shown), fontsize=8)
     places.set(xlabel="x along the track (m)", ylabel="z (m)", aspect="equal")
     sieves.set(xlabel="sieve (mm)", ylabel="passing (% of mass)")
     for panel in (counts, places, sieves):

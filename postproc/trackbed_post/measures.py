@@ -493,6 +493,19 @@ def sieved_with_fines(run, stage):
     return np.concatenate([rows, fines[:, [read.BREAK["diameter"], read.BREAK["mass"]]]])
 
 
+def breaks_by_sleeper(run, stage):
+    """Of each sleeper: parts that broke off within half a sleeper spacing, those below it
+    (between its sides), and those below it that are nearer to an edge than to its middle. A part is
+    a row with a mass: a fragment, or fines."""
+    rows, sleepers = run.breaks[stage], run.deck["sleepers"]
+    x = rows[:, read.BREAK["x"]]
+    centres = sleepers["first"] + sleepers["spacing"] * np.arange(sleepers["count"])
+    off = np.abs(x[:, None] - centres)
+    below = off <= sleepers["width"] / 2
+    near = off <= sleepers["spacing"] / 2
+    return near.sum(axis=0), below.sum(axis=0), (below & (off > sleepers["width"] / 4)).sum(axis=0)
+
+
 def stages_of_breakage(run):
     """The last stage before the first pebble breaks off, and the last stage; None without any."""
     names = list(run.breaks)

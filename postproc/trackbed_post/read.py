@@ -197,7 +197,15 @@ def results(path):
 
 # Columns of the rows of breakage: s, -, - (fragment -1: fines), m, m, m, m, kg, N, J, J.
 BREAK = {name: k for k, name in enumerate((
-    "time", "stone", "fragment", "x", "y", "z", "diameter", "mass", "force", "released", "lost"))}
+    "time", "stone", "fragment", "x", "y", "z", "diameter", "mass", "force", "released", "lost",
+    "stress", "kind"))}
+PEBBLE, CORNER, SPLIT = range(3)  # kinds of a break; older results have pebbles alone
+
+
+def _breaks(rows):
+    """Rows of BREAK; zeros where an older file has no such column."""
+    rows = rows.reshape(-1, rows.shape[-1])  # also without a row
+    return np.pad(rows, ((0, 0), (0, len(BREAK) - rows.shape[1])))
 
 
 def _foreign(file_path, file):
@@ -244,8 +252,7 @@ def _results(file_path, file):
                 for name in _in_order(stone_stages, deck)},
         surface={name: surfaces[name]["top"][()].reshape(-1, 3)
                  for name in _in_order(surfaces, deck)},
-        breaks={name: breaks[name][()].reshape(-1, len(BREAK))
-                for name in _in_order(breaks, deck)})
+        breaks={name: _breaks(breaks[name][()]) for name in _in_order(breaks, deck)})
 
 
 def folder_of(path):

@@ -50,10 +50,11 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
   }
   std::vector<double> breaks;
   for (const dem::Break& each : scene.particles.breaks())
-    breaks.insert(breaks.end(),
-                  {each.time, static_cast<double>(each.stone), static_cast<double>(each.fragment),
-                   each.position.x(), each.position.y(), each.position.z(), each.diameter,
-                   each.mass, each.force, each.released, each.lost});
+    breaks.insert(
+        breaks.end(),
+        {each.time, static_cast<double>(each.stone), static_cast<double>(each.fragment),
+         each.position.x(), each.position.y(), each.position.z(), each.diameter, each.mass,
+         each.force, each.released, each.lost, each.stress, static_cast<double>(each.kind)});
   // The same on all ranks; rank 0 writes it.
   const std::vector<double> surface =
       cell > 0 ? surface_of(impl_->comm, scene.particles, cell) : std::vector<double>{};
@@ -70,11 +71,12 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
                        {"m, kg", "of each stone: smallest opening that it passes, and mass"});
     if (scene.breaks)
       file.write<double>(
-          "breaks/" + stage, breaks, 11,
-          {"s, -, -, m, m, m, m, kg, N, J, J",
-           "pebbles that broke off up to the end of the stage: time, stone, fragment "
-           "(-1: fines), x, y, z, diameter, mass, force, elastic energy of this "
-           "contact, kinetic energy lost"});
+          "breaks/" + stage, breaks, 13,
+          {"s, -, -, m, m, m, m, kg, N, J, J, Pa, -",
+           "parts that broke off up to the end of the stage: time, stone, fragment "
+           "(-1: fines), x, y, z, diameter, mass, force, elastic energy of its contacts, "
+           "kinetic energy lost, stress, kind (0: pebble of a clump, 1: corner of a "
+           "polyhedron, 2: part of a split stone)"});
     if (cell > 0)
       file.write<double>("surface/" + stage + "/top", own, 3,
                          {"m", "x, y of each cell, and z of the highest stone in the cell"});

@@ -59,6 +59,9 @@ TAMPED = ["stage.passage.kind=tamp", "stage.passage.duration=0", "dem.largest_ov
 BREAKS = [*SPACE[:1], SPACE[2], "bed.stone=clump",
           "bed.clump=[-0.5,0,0,0.5, 0.5,0,0,0.4, 0,0.4,0,0.3]", "breakage.strength=1e4",
           "breakage.threshold=1", "breakage.from=load", "breakage.least_size=0.005"]
+CRUSHES = [*SPACE[:1], SPACE[2], "bed.stone=polyhedra", "dem.largest_overlap=2",
+           "breakage.from=load", "breakage.least_size=0.02", "breakage.check_steps=5",
+           "breakage.splitting.strength=2e4", "breakage.cutting.strength=1e6"]
 PRESSED = ["platen.speed=1", "stage.compact.duration=0.2"]
 
 # Parameter of the schema -> (change, context). List elements are given by name or number.
@@ -137,6 +140,14 @@ KNOBS = {
     "breakage.growth_overlap": ("breakage.growth_overlap=1e-2", BREAKS),
     "breakage.least_size": ("breakage.least_size=0.012", BREAKS),
     "breakage.seed": ("breakage.seed=2", BREAKS),
+    "breakage.check_steps": ("breakage.check_steps=7", CRUSHES),
+    "breakage.splitting.strength": ("breakage.splitting.strength=4e4", CRUSHES),
+    "breakage.splitting.diameter": ("breakage.splitting.diameter=0.03", CRUSHES),
+    "breakage.splitting.weibull": ("breakage.splitting.weibull=6", CRUSHES),
+    "breakage.cutting.strength": ("breakage.cutting.strength=2e6", CRUSHES),
+    "breakage.cutting.weibull": ("breakage.cutting.weibull=6", CRUSHES),
+    "breakage.cutting.least_depth": ("breakage.cutting.least_depth=0.02", CRUSHES),
+    "breakage.cutting.largest_depth": ("breakage.cutting.largest_depth=0.02", CRUSHES),
     "ground.present": ("ground.present=false", []),
     "ground.x": ("ground.x=[-0.1, 0.6]", []),
     "ground.y": ("ground.y=[-0.2, 0.2]", SPACE),

@@ -183,6 +183,15 @@ def test_breakage_counts_fragments_and_fines(runs):
     bed_on_ground.plt.close("all")
 
 
+def test_breaks_are_counted_by_sleeper(runs):
+    rows = np.zeros((4, len(read.BREAK)))
+    rows[:, read.BREAK["x"]] = [0.25, 0.43, 0.65, 0.95]  # sleepers at 0.3 and 0.9 m
+    run = dataclasses.replace(runs[0], breaks={"load": rows}, deck=runs[0].deck | {
+        "sleepers": {"first": 0.3, "spacing": 0.6, "count": 2, "width": 0.29}})
+    near, below, edges = measures.breaks_by_sleeper(run, "load")
+    assert (list(near), list(below), list(edges)) == ([2, 2], [2, 1], [1, 0])
+
+
 def test_section_is_across_the_track(runs):
     axes = bed_on_ground.bed_figures.section(runs[:1]).axes[0]
     mean = axes.lines[0]

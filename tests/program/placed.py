@@ -122,6 +122,21 @@ def check_bounce(bench):
     require(0.98 < total[-1] / total[0] < 0.999, f"{total[-1] / total[0]} of the energy is left")
 
 
+def check_splitting(bench):
+    """Two stones between plates split; what is left, and fines, have the mass of both."""
+    found = bench.run("splitting")
+    rows = next(reversed(found.breaks.values()))
+    kinds, first = rows[:, read.BREAK["kind"]], rows[:, read.BREAK["stone"]] < 2
+    require((first & (kinds == read.SPLIT)).any() and (kinds == read.CORNER).any(),
+            "no stone has split, or no corner was crushed")
+    fines = rows[rows[:, read.BREAK["fragment"]] < 0, read.BREAK["mass"]].sum()
+    left = next(reversed(found.stones.values())).sieved[:, 1].sum()
+    whole = bench.run("splitting", "breakage.splitting.strength=0", "breakage.cutting.strength=0",
+                      "stage.crush.duration=1e-3", name="whole")
+    mass = next(reversed(whole.stones.values())).sieved[:, 1].sum()
+    near(left + fines, mass, 1e-12 * mass, "mass of stones and fines")
+
+
 def check_rotation(bench):
     found = bench.run("rotation")
     momentum = column(found, "block", "angular_momentum")
@@ -344,9 +359,9 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     bench = Bench(Program(sys.argv[1]), pathlib.Path(sys.argv[2]), folder)
-    for check in (check_decks, check_flight, check_impact, check_bounce, check_rotation,
-                  check_slope, check_pair, check_stack, check_driven, check_plane, check_disk,
-                  check_shear):
+    for check in (check_decks, check_flight, check_impact, check_bounce, check_splitting,
+                  check_rotation, check_slope, check_pair, check_stack, check_driven, check_plane,
+                  check_disk, check_shear):
         check(bench)
         print(check.__name__, "done")
 

@@ -92,6 +92,7 @@ struct ContactView {
   double overlap;    // m
   Vec3 first_centre, second_centre;  // m, of mass (surface: contact point), the image that touches
   Vec3 normal;                       // unit length, from the first to the second
+  Vec3 point;                        // m, of contact, beside the first
 };
 
 // Sums over all ranks' particles and contacts, each counted once; bitwise identical for any number

@@ -43,6 +43,9 @@ Convex convex_hull(const std::vector<Vec3>& points, double merge = 1e-9);
 // are derived. Throws std::invalid_argument if the faces are not closed or a corner is outside of a
 // face by more than 1e-6 of the extent. No face: a point or a segment.
 Convex convex_of(std::vector<Vec3> vertices, const std::vector<std::vector<int>>& faces);
+// The same core with normals and offsets from its corners and faces alone: rotations and scalings
+// change their last bits, and a file keeps corners and faces only.
+Convex derived_again(const Convex& core);
 
 struct Piece {
   Convex core;        // m at unit scale, from the centre of mass, in principal axes

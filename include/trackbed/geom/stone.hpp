@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "trackbed/core/types.hpp"
@@ -47,6 +48,13 @@ Convex scaled(Convex core, double factor);  // about the origin
 // axis. Swept by the same ball, they fill exactly the volume of the swept core. Throws
 // std::invalid_argument if the core cannot be cut.
 std::vector<Convex> sliced(const Convex& core, int parts);
+
+// m, the largest normal . x; of a stone with its rounding. `normal`: unit length.
+double support_of(const Convex& core, const Vec3& normal);
+double support_of(const Template& stone, const Vec3& normal);
+// The part of a polyhedron with normal . x <= offset (m), and the area in m^2 of its section.
+Convex core_below(const Convex& core, const Vec3& normal, double offset);
+double section_area(const Convex& core, const Vec3& normal, double offset);
 
 // Pieces about the solid's centre in its principal axes.
 Template template_of(const std::vector<Piece>& pieces, const Solid& solid, double sieve);
@@ -132,11 +140,15 @@ double union_area(const std::vector<Piece>& pieces, int directions = 60, int cel
 // Union of disks in the plane y = 0: area, and gyration of the lamina.
 Solid union_lamina(const std::vector<Sphere>& disks, int cells = 4096);
 
+// A part of a stone.
+struct StonePart {
+  Template stone;                // about its own centre of mass, in its own principal axes
+  Vec3 centre = Vec3::Zero();    // m, of mass, in the axes of the whole stone
+  Quat axes = Quat::Identity();  // from the principal axes to those of the whole stone
+};
+
 // A stone of balls without one of them.
-struct Remainder {
-  Template stone;                   // about its own centre of mass, in its own principal axes
-  Vec3 centre = Vec3::Zero();       // m, of mass, in the axes of the whole stone
-  Quat axes = Quat::Identity();     // from the principal axes to those of the whole stone
+struct Remainder : StonePart {
   double lost = 0;                  // m^3, of the ball, what no other ball contains
   Vec3 lost_centre = Vec3::Zero();  // m, of this part, in the axes of the whole stone
 };
@@ -144,6 +156,13 @@ struct Remainder {
 // the lost part is accurate to about 1e-3 of the ball. Of a ball inside the others nothing is lost.
 // Throws std::invalid_argument for pieces with several corners and for the only ball.
 Remainder without_ball(const Template& whole, std::size_t which);
+
+// The part of a stone of polyhedra with normal . x <= offset (m at unit scale, in its axes), with
+// edges as rounded as before: cores end at the plane less their radius. So the two parts of a stone
+// do not overlap and reach nowhere farther than the whole; the rest of its volume, along the new
+// edges, is lost. None if there is hardly any volume. Its sieve size is left at 0, as it costs more
+// than all else. Throws std::invalid_argument for balls.
+std::optional<StonePart> part_below(const Template& whole, const Vec3& normal, double offset);
 
 // `count` points spread evenly through a stone, to measure fractions of it: each represents 1/count
 // of its volume. Of 512 points half a per cent is on the wrong side of a straight cut in the mean,

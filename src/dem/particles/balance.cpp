@@ -95,7 +95,8 @@ void Particles::Impl::choose_grid(const std::vector<double>& work) {
   bound = bounds.back();
   choose_quantum();
   skin = parameters.skin > 0 ? parameters.skin : default_skin();
-  skin = std::max(skin, growth_in_lists * breaking.least_radius);
+  if (breaking.parameters.of_clumps())
+    skin = std::max(skin, growth_in_lists * breaking.least_radius);
   population = comm.sum(static_cast<std::int64_t>(state.own));
   grid = Grid(domain, bounds, skin, population);
   grid.partition(by_cell(work), comm.size());

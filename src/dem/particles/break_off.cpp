@@ -173,7 +173,9 @@ std::vector<double> Particles::Impl::depths_of(const std::vector<Crack>& cracks)
 void Particles::Impl::break_off() {
   if (breaking.pending == 0) return;
   const std::vector<Crack> cracks = gather_cracks();
-  if (breaking.ball < 0)
+  const std::vector<Cut> cuts = gather_cuts();
+  breaking.pending = 0;
+  if (breaking.ball < 0 && !cracks.empty())
     breaking.ball = shapes.add(
         geom::Template{{geom::ball(Vec3::Zero(), 1)}, ball_volume(1), Vec3::Constant(0.4), 2});
   if (!ready) rebuild();
@@ -190,6 +192,7 @@ void Particles::Impl::break_off() {
         stones.try_emplace(cracks[n].stone, Changed{cracks[n].shape, {}}).first->second;
     lost.push_back(break_off(cracks[n], depths[n], stone));
   }
+  for (const Cut& cut : cuts) lost.push_back(cut_off(cut, stones));
   comm.sum(std::span<double>(lost));  // at most one term of each is not zero: the sum is exact
   for (const double energy : lost) breaking.totals.lost += energy;
   check_bound();
@@ -221,7 +224,8 @@ double Particles::Impl::break_off(const Crack& crack, double depth, Changed& sto
     const Vec3 where = state.x[*b].vec3() + quat(state.q[*b]) * Vec3(crack.scale * birth.at);
     lost = divide(*b, loss, birth, fragment);
     breaking.breaks.push_back({breaking.elapsed, crack.stone, fragment, crack.pebble, where,
-                               2 * radius * crack.scale, mass, crack.force, crack.energy, lost});
+                               2 * radius * crack.scale, mass, crack.force, crack.energy, lost, 0,
+                               BreakKind::pebble});
   }
   BreakTotals& totals = breaking.totals;
   ++(fines ? totals.fines : totals.fragments);
@@ -238,8 +242,8 @@ void Particles::Impl::check_bound() const {
   for (std::size_t b = 0; b < state.own; ++b) largest = std::max(largest, radius(b));
   if (comm.max(largest) > bound)
     throw RunError(
-        "a stone that lost corners reaches farther from its centre of mass than the search for "
-        "contacts allows; give a lower breakage.threshold");
+        "a part of a broken stone reaches farther from its centre of mass than the search for "
+        "contacts allows; give a lower breakage.threshold or breakage.cutting.largest_depth");
 }
 
 // Stone b becomes its remainder and a fragment, if that has a number. With the arms d from the

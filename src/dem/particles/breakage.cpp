@@ -20,7 +20,8 @@ namespace trackbed::dem {
 namespace {
 
 // Of the largest radius when stones begin to break: a clump of which every corner on one side
-// breaks off has its centre of mass moved by less than this.
+// breaks off has its centre of mass moved by less than this, and no half of a stone reaches farther
+// from its own centre of mass.
 constexpr double remainder_room = 1.5;
 
 }  // namespace
@@ -49,11 +50,11 @@ void Particles::set_breakage(const BreakageParameters& parameters) {
 // of mass farther from the other side.
 void Particles::let_break(bool active) {
   Impl& r = *impl_;
-  if (!active) r.breaking.cracks.clear(), r.breaking.pending = 0;
+  if (!active) r.breaking.cracks.clear(), r.breaking.cuts.clear(), r.breaking.pending = 0;
   if (active == r.breaking.active) return;
-  if (active && r.shapes.any_stones())
+  if (active && r.shapes.any_stones() && r.breaking.parameters.of_clumps())
     throw RunError(
-        "there are stones with corners, but only pebbles of clumps break off: give "
+        "there are stones with corners, from which no pebbles break off: give "
         "breakage.strength = 0, or clumps");
   require(!active || (r.domain.dimension == Dimension::space && r.breaking.material >= 0),
           "only stones of a known material break, in space");
@@ -103,7 +104,7 @@ void Particles::Impl::find_strengths() {
 }
 
 std::int64_t Particles::weak_pebbles() const {
-  if (!impl_->breaking.active) return -1;
+  if (!impl_->breaking.active || !impl_->breaking.parameters.of_clumps()) return -1;
   std::int64_t count = 0;
   for (std::size_t b = 0; b < size(); ++b) impl_->visit_weak(b, [&](std::size_t) { ++count; });
   return impl_->comm.sum(count);
@@ -151,14 +152,17 @@ void Particles::Impl::forget_cracks(const std::vector<Id>& gone) {
   std::erase_if(breaking.cracks, [&](const Crack& crack) {
     return std::binary_search(gone.begin(), gone.end(), crack.stone);
   });
-  breaking.pending = comm.sum(static_cast<std::int64_t>(breaking.cracks.size()));
+  std::erase_if(breaking.cuts, [&](const Cut& cut) {
+    return std::binary_search(gone.begin(), gone.end(), cut.stone);
+  });
+  breaking.pending = comm.sum(breaking.waiting());
 }
 
 // Of all ranks, each pebble once, by stone and pebble. A stone that changed its owner within the
 // window may be reported twice.
 std::vector<Crack> Particles::Impl::gather_cracks() {
   std::vector<Crack> all = comm.all_gather(std::span<const Crack>(breaking.cracks));
-  breaking.cracks.clear(), breaking.pending = 0;
+  breaking.cracks.clear();
   const auto key = [](const Crack& c) { return std::pair(c.stone, c.pebble); };
   std::sort(all.begin(), all.end(), [&](const Crack& one, const Crack& other) {
     if (key(one) != key(other)) return key(one) < key(other);

@@ -9,37 +9,50 @@ namespace trackbed::dem {
 namespace {
 
 constexpr int crack_columns = sizeof(Crack) / sizeof(double);
-constexpr int break_columns = 12;
+constexpr int cut_columns = sizeof(Cut) / sizeof(double);
+constexpr int break_columns = 14;
 
 }  // namespace
 
 void Particles::Impl::save_breakage(io::File& file, const std::string& group) const {
   const Breaking& b = breaking;
-  if (b.parameters.strength == 0 && b.ball < 0) return;
+  if (!b.parameters.any() && b.next < 0) return;
   const std::string at = group + "/breakage";
   std::vector<std::int64_t> labels;
   if (comm.root()) labels = shapes.labels();
   file.write<std::int64_t>(at + "/labels", labels, 1,
                            {"-", "of each piece of the templates: its number in the whole stone"});
-  std::vector<double> cracks, breaks;
+  std::vector<double> cracks, cuts, breaks;
   for (const Crack& c : b.cracks)
     cracks.insert(cracks.end(),
                   {static_cast<double>(c.stone), static_cast<double>(c.pebble),
                    static_cast<double>(c.shape), c.scale, c.density, c.force, c.overlap, c.energy});
+  for (const Cut& c : b.cuts)
+    cuts.insert(cuts.end(),
+                {static_cast<double>(c.stone), static_cast<double>(c.kind),
+                 static_cast<double>(c.shape), c.scale, c.density, c.normal[0], c.normal[1],
+                 c.normal[2], c.offset, c.size[0], c.size[1], c.force, c.stress, c.energy});
   for (const Break& e : b.breaks)
-    breaks.insert(breaks.end(),
-                  {e.time, static_cast<double>(e.stone), static_cast<double>(e.fragment),
-                   static_cast<double>(e.pebble), e.position.x(), e.position.y(), e.position.z(),
-                   e.diameter, e.mass, e.force, e.released, e.lost});
+    breaks.insert(
+        breaks.end(),
+        {e.time, static_cast<double>(e.stone), static_cast<double>(e.fragment),
+         static_cast<double>(e.pebble), e.position.x(), e.position.y(), e.position.z(), e.diameter,
+         e.mass, e.force, e.released, e.lost, e.stress, static_cast<double>(e.kind)});
   file.write<double>(at + "/cracks", cracks, crack_columns,
                      {"-, -, -, -, kg/m3, N, m, J",
                       "pebbles that break off in the next window: stone, pebble, template, scale, "
                       "density, force, overlap, energy"});
+  file.write<double>(at + "/cuts", cuts, cut_columns,
+                     {"-, -, -, -, kg/m3, -, -, -, m, -, -, N, Pa, J",
+                      "stones that are cut in the next window: stone, kind (1: corner, 2: split), "
+                      "template, scale, density, normal, offset, sizes of both parts, force, "
+                      "stress, energy"});
   file.write<double>(
       at + "/breaks", breaks, break_columns,
-      {"s, -, -, -, m, m, m, m, kg, N, J, J",
-       "pebbles that broke off: time, stone, fragment (-1: fines), pebble, x, y, z, "
-       "diameter, mass, force, elastic energy of this contact, kinetic energy lost"});
+      {"s, -, -, -, m, m, m, m, kg, N, J, J, Pa, -",
+       "parts that broke off: time, stone, fragment (-1: fines), pebble, x, y, z, diameter, mass, "
+       "force, elastic energy of its contacts, kinetic energy lost, stress, kind (0: pebble of a "
+       "clump, 1: corner of a polyhedron, 2: part of a split stone)"});
   file.attribute(group, "breaking", static_cast<std::int64_t>(b.active));
   file.attribute(group, "break_ball", static_cast<std::int64_t>(b.ball));
   file.attribute(group, "break_next", b.next);
@@ -50,6 +63,8 @@ void Particles::Impl::save_breakage(io::File& file, const std::string& group) co
   file.attribute(group, "break_elapsed", b.elapsed);
   file.attribute(group, "break_fragments", b.totals.fragments);
   file.attribute(group, "break_fines", b.totals.fines);
+  file.attribute(group, "break_cuts", b.totals.cuts);
+  file.attribute(group, "break_splits", b.totals.splits);
   file.attribute(group, "break_fragment_mass", b.totals.fragment_mass);
   file.attribute(group, "break_fines_mass", b.totals.fines_mass);
   file.attribute(group, "break_released", b.totals.released);
@@ -91,7 +106,22 @@ void Particles::Impl::load_breakage(const io::File& file, const std::string& gro
   for (std::size_t k = 0; k + break_columns <= breaks.size(); k += break_columns) {
     const double* e = breaks.data() + k;
     b.breaks.push_back({e[0], whole(e[1]), whole(e[2]), whole(e[3]), Vec3(e[4], e[5], e[6]), e[7],
-                        e[8], e[9], e[10], e[11]});
+                        e[8], e[9], e[10], e[11], e[12], static_cast<BreakKind>(whole(e[13]))});
+  }
+  const auto cuts = file.read_own_rows<double>(at + "/cuts");
+  for (std::size_t k = 0; k + cut_columns <= cuts.size(); k += cut_columns) {
+    const double* c = cuts.data() + k;
+    b.cuts.push_back({whole(c[0]),
+                      whole(c[1]),
+                      whole(c[2]),
+                      c[3],
+                      c[4],
+                      {c[5], c[6], c[7]},
+                      c[8],
+                      {c[9], c[10]},
+                      c[11],
+                      c[12],
+                      c[13]});
   }
   b.active = file.integer_attribute(group, "breaking") != 0;
   b.ball = static_cast<int>(file.integer_attribute(group, "break_ball"));
@@ -103,6 +133,8 @@ void Particles::Impl::load_breakage(const io::File& file, const std::string& gro
   b.elapsed = file.number_attribute(group, "break_elapsed");
   b.totals = {file.integer_attribute(group, "break_fragments"),
               file.integer_attribute(group, "break_fines"),
+              file.integer_attribute(group, "break_cuts"),
+              file.integer_attribute(group, "break_splits"),
               file.number_attribute(group, "break_fragment_mass"),
               file.number_attribute(group, "break_fines_mass"),
               file.number_attribute(group, "break_released"),

@@ -1,4 +1,4 @@
-// Parameters of the breakage of corners.
+// Parameters of breakage.
 #include "trackbed/dem/breakage.hpp"
 
 namespace trackbed::dem {
@@ -41,6 +41,40 @@ void BreakageParameters::declare(input::Section& s) {
            "as fines. It limits the sub-step as a stone of this size does. 0: fragments as heavy "
            "as the lightest stone or heavier, which do not shorten the sub-step.");
   s.integer("seed", seed, {.at_least = 0, .at_most = 1000000000}, "Seed of the strengths.");
+  s.integer("check_steps", check_steps, {.at_least = 1, .at_most = 1000000},
+            "Number of sub-steps between two checks of stones with corners (splitting, cutting). "
+            "Each check costs about as much as two sub-steps.");
+  s.table("splitting", splitting, "Stones with corners (polyhedra, compounds) that split in two.");
+  s.table("cutting", cutting, "Corners of polyhedra that are crushed under contacts.");
+}
+
+void SplittingParameters::declare(input::Section& s) {
+  s.number(
+      "strength", strength, {.unit = "Pa", .at_least = 0, .usually_from = 1e5, .usually_to = 1e9},
+      "Octahedral shear stress of a stone of the diameter `diameter` at which 37 % of such stones "
+      "have not split. A stone of volume V between two platens at the distance h has 0.47 F h/V, a "
+      "ball 0.9 F/d^2. 0: stones do not split.");
+  s.number("diameter", diameter, {.unit = "m", .above = 0, .usually_from = 1e-3, .usually_to = 0.2},
+           "Diameter of a ball of the volume of the stone to which the strength belongs. Larger "
+           "stones are weaker: strength (d/diameter)^(-3/weibull).");
+  s.number("weibull", weibull, {.unit = "-", .above = 0, .usually_from = 1, .usually_to = 50},
+           "Weibull modulus of the strength.");
+}
+
+void CuttingParameters::declare(input::Section& s) {
+  s.number(
+      "strength", strength, {.unit = "Pa", .at_least = 0, .usually_from = 1e6, .usually_to = 1e10},
+      "Characteristic pressure of a contact that a corner bears: a corner below a force F is cut "
+      "off so that its new face has the area F/strength. 0: corners are not cut.");
+  s.number("weibull", weibull, {.unit = "-", .above = 0, .usually_from = 1, .usually_to = 50},
+           "Weibull modulus of the strength, which is drawn for each stone.");
+  s.number("least_depth", least_depth, {.unit = "-", .above = 0, .at_most = 0.5},
+           "Depth of a cut divided by the diameter of the ball of the stone's volume: corners are "
+           "cut when they need at least this depth.");
+  s.number("largest_depth", largest_depth, {.unit = "-", .above = 0, .at_most = 0.5},
+           "Largest depth of a cut, as a ratio like least_depth; if a corner needs more, it is cut "
+           "again at the next check.");
+  s.rule("largest_depth", largest_depth > least_depth, "must be above least_depth");
 }
 
 }  // namespace trackbed::dem

@@ -1,11 +1,13 @@
-// State of the breakage of corners; the operations are in breakage.cpp, break_off.cpp,
-// fragment_growth.cpp and breakage_file.cpp.
+// State of breakage. Operations on clumps: breakage.cpp, break_off.cpp, fragment_growth.cpp; on
+// stones with corners: overload.cpp, cut_off.cpp; checkpoint: breakage_file.cpp.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -32,6 +34,37 @@ struct Crack {
   double scale, density;       // of the stone; kg/m^3
   double force, overlap;       // N, m: of the contact with the largest force
   double energy;               // J, of its normal spring
+};
+
+// A stone with corners that is cut by the plane normal . x = offset, in its axes and at unit scale.
+// Members have 8 bytes, as above.
+struct Cut {
+  std::int64_t stone, kind;  // kind: a BreakKind
+  std::int64_t shape;        // of the stone
+  double scale, density;     // of the stone; kg/m^3
+  double normal[3], offset;  // unit length; m
+  double size[2];            // of the parts below and above, over that which the cut leaves
+  double force, stress;      // N, largest of a contact; Pa, that reached the strength
+  double energy;             // J, of the contacts that are released
+};
+
+// A contact of a stone, in its axes and at unit scale.
+struct ContactLoad {
+  Vec3 arm, out;           // m, from the centre of mass; unit length, out of the stone
+  Vec3 force;              // N, on the stone
+  double overlap, energy;  // m, J
+};
+
+// The parts below and above its plane; none: hardly any volume, or the corner that is cut off and
+// becomes fines.
+std::array<std::optional<geom::StonePart>, 2> parts_of(const geom::Template& whole, const Cut& cut);
+
+// What a cut makes of a stone.
+struct NewPart {
+  geom::StonePart of;
+  std::int64_t shape = -1;  // number of its template
+  double size = 1;          // as in Cut
+  Id id = -1;
 };
 
 // What becomes of a shape when it loses a pebble.
@@ -78,11 +111,14 @@ struct Breaking {
   double least_mass = 0;
   double least_radius = 0, largest_radius = 0;  // m, of fragments; of all stones, whatever breaks
   Id next = -1;
-  double elapsed = 0;         // s
-  std::vector<Crack> cracks;  // of the last window, which break at the begin of the next one
-  std::int64_t pending = 0;   // cracks of all ranks
+  double elapsed = 0;  // s
+  // Of the last window, which break at the begin of the next one; their number on all ranks.
+  std::vector<Crack> cracks;
+  std::vector<Cut> cuts;
+  std::int64_t pending = 0;
   std::vector<Break> breaks;  // by this rank
   BreakTotals totals;
+  std::int64_t waiting() const { return std::ssize(cracks) + std::ssize(cuts); }
   // Derived
   std::vector<double> strength;          // N, of each piece in the lists; infinite: it is not weak
   std::vector<GrowingFragment> growing;  // in the lists, ghosts included

@@ -103,7 +103,7 @@ struct Particles::Impl {
   // A contact of the piece: its reduced radius and overlap, m.
   void watch(std::size_t piece, const Law& law, double radius, double overlap);
   void watch_near_pairs();
-  void break_off();  // pebbles that were overloaded; collective
+  void break_off();  // what was overloaded; collective
   double break_off(const Crack& crack, double depth, Changed& stone);
   void check_bound() const;
   std::optional<std::size_t> own_number(Id id) const;
@@ -113,6 +113,14 @@ struct Particles::Impl {
   const Loss& loss_of(std::int64_t shape, std::size_t piece);
   double divide(std::size_t b, const Loss& loss, const Birth& birth, Id fragment);
   void add_fragment(std::size_t b, Id id, double scale, double part);
+  // overload.cpp, cut_off.cpp
+  bool may_split(std::size_t b) const;
+  std::vector<std::size_t> suspects(const ContactLoop& contacts) const;
+  std::optional<Cut> cut_of(std::size_t b, const std::vector<ContactLoad>& loads) const;
+  void find_cuts(int steps_of_window);  // at its end
+  std::vector<Cut> gather_cuts();       // collective
+  double cut_off(const Cut& cut, std::unordered_map<Id, Changed>& stones);
+  double divide(std::size_t b, const NewPart& rest, const NewPart* piece, bool split);
   void find_growing();  // in new lists; collective
   double space_of(const GrowingFragment& fragment, double wanted) const;
   std::vector<double> depths_of(const std::vector<Crack>& cracks) const;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "dem/particles/impl.hpp"
+#include "dem/particles/contact_loop.hpp"
 #include "trackbed/core/hash.hpp"
 #include "trackbed/geom/stone.hpp"
 #include "trackbed/par/exact_totals.hpp"
@@ -111,129 +111,9 @@ void Particles::points(std::size_t b, const std::function<void(const Vec3&)>& vi
   for (const Vec3& point : known[shape]) visit(centre + turned * point);
 }
 
-namespace {
-
-// Elastic part of a contact's force on the first piece. Dampers are left out: they depend on
-// velocities of half a sub-step earlier, which are no longer available.
-Vec3 elastic_force(const Law& law, double delta, double radius, const Vec4& xi, const Vec3& n) {
-  const auto c = coefficients<true>(law.springs, delta, 0.0, radius);
-  return -c.k_n * delta * n - c.k_s * xi.vec3();
-}
-
-}  // namespace
-
-// All contacts that this rank counts, with their elastic energies. Local. A contact across ranks is
-// known on both; the owner of the lower id counts it. Order: balls, stones, surfaces, each in the
-// order of the lists.
-struct Particles::ContactLoop {
-  const State& state;
-  const Shapes& shapes;
-  const Pieces& pieces;
-  const PairList& pairs;
-  const StoneList& stones;
-  const std::vector<Overlap> overlaps;  // of stones, as computed last
-  const std::vector<Approach>& approaches;
-  const LawTable& laws;
-
-  explicit ContactLoop(const Particles::Impl& r)
-      : state(r.state),
-        shapes(r.shapes),
-        pieces(r.pieces),
-        pairs(r.pairs),
-        stones(r.stones),
-        overlaps(r.stone_contacts.overlaps(r.scene(), r.stones)),
-        approaches(r.approaches),
-        laws(r.laws) {}
-
-  Vec4 piece(std::size_t p) const {
-    const auto b = static_cast<std::size_t>(pieces.body[p]);
-    return shapes.only_spheres() ? state.x[b] : pieces.x[p];
-  }
-
-  template <class Visit>
-  void run(Visit&& visit) const {
-    for (const Row& row : pairs.rows) {
-      const auto i = static_cast<std::size_t>(row.piece);
-      const auto bi = static_cast<std::size_t>(pieces.body[i]);
-      if (bi >= state.own) continue;  // the owner of the lower id counts the contact
-      for (std::uint32_t e = row.begin; e < row.end; ++e)
-        if (pairs.entries[e].touching) pair(i, bi, e, visit);
-    }
-    for (const Overlap& o : overlaps)
-      // The first piece has the lower id here as well.
-      if (body(o.piece) < state.own) stone_pair(o, visit);
-    for (const Approach& a : approaches)
-      for (const Approach::Patch& p : a.patches) surface(a, p, visit);
-  }
-
- private:
-  std::size_t body(std::int32_t piece) const {
-    return static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(piece)]);
-  }
-
-  Vec3 centre(std::int32_t piece) const { return state.x[body(piece)].vec3(); }
-
-  // Normal spring along the generalised normal, tangential spring, and the ring that resists
-  // torsion: 1/2 k_s spread turn^2, J (stone_law.hpp).
-  template <class Visit>
-  void stone_pair(const Overlap& o, Visit& visit) const {
-    const Entry& entry = stones.entries[o.entry];
-    const auto i = static_cast<std::size_t>(o.piece), j = static_cast<std::size_t>(entry.piece);
-    const double ri = pieces.rounding[i], rj = pieces.rounding[j], radius = ri * rj / (ri + rj);
-    const Law& law = laws[entry.law];
-    const Vec4& xi = stones.xi[o.entry];
-    const auto c = coefficients<true>(law.springs, o.wrench.M, 0.0, radius);
-    const Vec3 force = -c.k_n * o.wrench.M * o.wrench.N - c.k_s * xi.vec3();
-    const double turn = stones.turn[o.entry].x;
-    visit(ContactView{state.id[body(o.piece)], state.id[body(entry.piece)], pieces.x[i].vec3(),
-                      pieces.x[j].vec3() + stones.shifts[entry.shift].vec3(), force, o.wrench.M,
-                      centre(o.piece), centre(entry.piece) + stones.shifts[entry.shift].vec3(),
-                      o.wrench.N.normalized()},
-          stored_energy(law, o.wrench.M, radius, xi) + 0.5 * c.k_s * o.wrench.spread * turn * turn +
-              rolling(stones, o.entry, o.wrench.M, radius));
-  }
-
-  // From the present positions: for balls the overlap is recomputed at low cost.
-  template <class Visit>
-  void pair(std::size_t i, std::size_t bi, std::uint32_t e, Visit& visit) const {
-    const Entry& entry = pairs.entries[e];
-    const auto j = static_cast<std::size_t>(entry.piece);
-    const Vec4 xi = piece(i), xj = piece(j);
-    const Vec3 to = xj.vec3() + pairs.shifts[entry.shift].vec3();
-    const Vec3 d = to - xi.vec3();
-    const double reach = xi.w + xj.w, delta = reach - d.norm(), radius = xi.w * xj.w / reach;
-    const Law& law = laws[entry.law];
-    const Vec3 force = elastic_force(law, delta, radius, pairs.xi[e], d.normalized());
-    const auto bj = static_cast<std::size_t>(pieces.body[j]);
-    visit(ContactView{state.id[bi], state.id[bj], xi.vec3(), to, force, delta, state.x[bi].vec3(),
-                      state.x[bj].vec3() + pairs.shifts[entry.shift].vec3(), d.normalized()},
-          stored_energy(law, delta, radius, pairs.xi[e]) + rolling(pairs, e, delta, radius));
-  }
-
-  double rolling(const PairList& list, std::uint32_t e, double delta, double radius) const {
-    return list.roll.empty()
-               ? 0
-               : rolling_energy(laws[list.entries[e].law], delta, radius, list.roll[e]);
-  }
-
-  // As computed last: finding the contacts of a stone again would be expensive.
-  template <class Visit>
-  void surface(const Approach& a, const Approach::Patch& p, Visit& visit) const {
-    if (!(p.radius > 0)) return;  // loaded from a checkpoint, not yet computed
-    const auto i = static_cast<std::size_t>(a.piece);
-    const Law& law = laws[static_cast<std::size_t>(a.law)];
-    const auto c = coefficients<true>(law.springs, p.overlap, 0.0, p.radius);
-    const Vec3 force = elastic_force(law, p.overlap, p.radius, p.xi, p.N);
-    visit(ContactView{state.id[body(a.piece)], -1 - a.surface, piece(i).vec3(), p.point, force,
-                      p.overlap, centre(a.piece), p.point, p.N.normalized()},
-          stored_energy(law, p.overlap, p.radius, p.xi) + 0.5 * c.k_s * p.spread * p.turn * p.turn +
-              rolling_energy(law, p.overlap, p.radius, p.roll));
-  }
-};
-
 void Particles::contacts(const std::function<void(const ContactView&)>& visit) const {
   const Impl& r = *impl_;
-  ContactLoop(r).run([&](const ContactView& view, double) { visit(view); });
+  ContactLoop(r).run([&](const ContactView& view, auto...) { visit(view); });
 }
 
 namespace {
@@ -306,7 +186,7 @@ Totals Particles::totals() const {
     total.pieces += static_cast<std::int64_t>(r.shapes.end(p.shape) - r.shapes.begin(p.shape));
   }
   std::vector<std::pair<Id, Id>> touching;
-  ContactLoop(r).run([&](const ContactView& c, double energy) {
+  ContactLoop(r).run([&](const ContactView& c, double energy, auto...) {
     ++total.contacts;
     touching.emplace_back(c.first, c.second);
     total.largest_overlap = std::max(total.largest_overlap, c.overlap);

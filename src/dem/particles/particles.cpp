@@ -251,11 +251,12 @@ void Particles::advance(double dt_window, int steps) {
   r.kick(dt_window / steps, 1);
   r.store_near_pairs(), r.stone_contacts.store(r.stones);
   r.breaking.elapsed += dt_window;
+  r.find_cuts(steps);
   // One reduction for all. A plain sum: it is only compared with a tolerance.
   double sums[8];
   Eigen::Map<Vec3>(sums, 3) = r.action.force;
   Eigen::Map<Vec3>(sums + 3, 3) = r.action.moment;
-  sums[6] = r.action.work, sums[7] = static_cast<double>(r.breaking.cracks.size());
+  sums[6] = r.action.work, sums[7] = static_cast<double>(r.breaking.waiting());
   r.comm.sum(std::span<double>(sums, 8));
   r.breaking.pending = std::llround(sums[7]);
   r.action = {Eigen::Map<Vec3>(sums, 3), Eigen::Map<Vec3>(sums + 3, 3), sums[6]};

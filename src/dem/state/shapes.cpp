@@ -9,6 +9,9 @@
 
 namespace trackbed::dem {
 
+// A core is kept as a checkpoint would return it, so that volumes, sections and points within a
+// stone are the same, to the last bit, after a resume.
+//
 // A shape is checked as a whole before anything is stored: after an InputError nothing has changed.
 // Whether the kernels may skip attitudes and corners is decided by all templates together: one
 // stone among spheres requires attitudes of all particles.
@@ -44,6 +47,7 @@ int Shapes::add(const Template& shape, std::vector<std::int64_t> labels) {
   bound_.push_back(geom::bounding_radius(shape));
   begin_.push_back(pieces_.size());
   templates_.push_back(shape);
+  for (Piece& piece : templates_.back().pieces) piece.core = geom::derived_again(piece.core);
   return static_cast<int>(number);
 }
 

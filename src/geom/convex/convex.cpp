@@ -99,6 +99,12 @@ Convex convex_of(std::vector<Vec3> vertices, const std::vector<std::vector<int>>
   return assemble(std::move(vertices), faces, slack);
 }
 
+Convex derived_again(const Convex& core) {
+  std::vector<std::vector<int>> loops;
+  for (const Face& face : core.faces) loops.push_back(face.vertices);
+  return convex_of(core.vertices, loops);
+}
+
 Piece ball(const Vec3& centre, double radius) { return {{{centre}, {}, {}}, radius}; }
 
 // Exact: the point of a ball furthest from the origin is on the line through its centre, beyond it.

@@ -66,7 +66,10 @@ View refined(const std::vector<Sphere>& spheres, View best) {
   // Half the raster's spacing; at the end the error of the width is far below the accuracy of a
   // grading.
   constexpr double start = 0.04, end = 1e-7;  // radians
-  for (double step = start; step > end;) {
+  // Usually about a hundred; a cuboid has views whose sides fall by rounding errors without end.
+  constexpr int most_tries = 1000;
+  double step = start;
+  for (int tries = 0; tries < most_tries && step > end; ++tries) {
     View next = best;
     for (int k = 0; k < 27; ++k) {
       const Vec3 about(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);

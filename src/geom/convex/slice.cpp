@@ -12,21 +12,6 @@ namespace trackbed::geom {
 
 namespace {
 
-// The part of a core with normal . x <= offset: hull of the corners below and of the points where
-// edges cross the plane. Exact for a convex core, and no face has to be clipped.
-Convex below(const Convex& core, const Vec3& normal, double offset) {
-  std::vector<Vec3> points;
-  for (const Vec3& v : core.vertices)
-    if (normal.dot(v) <= offset) points.push_back(v);
-  for (const Edge& edge : core.edges) {
-    const Vec3 &a = core.vertices[static_cast<std::size_t>(edge.vertices[0])],
-               &b = core.vertices[static_cast<std::size_t>(edge.vertices[1])];
-    const double ha = normal.dot(a) - offset, hb = normal.dot(b) - offset;
-    if ((ha < 0 && hb > 0) || (ha > 0 && hb < 0)) points.push_back(a + ha / (ha - hb) * (b - a));
-  }
-  return convex_hull(points);
-}
-
 double volume_of(const Convex& core) { return steiner_of(core).volume; }
 
 // Bisects by volume recursively; for odd numbers the fractions are (n/2)/n. Always across the
@@ -50,10 +35,10 @@ void slice(const Convex& core, int parts, std::vector<Convex>& into) {
   low += margin, high -= margin;
   for (int k = 0; k < halvings; ++k) {
     const double middle = (low + high) / 2;
-    (volume_of(below(core, normal, middle)) < wanted ? low : high) = middle;
+    (volume_of(core_below(core, normal, middle)) < wanted ? low : high) = middle;
   }
-  slice(below(core, normal, low), parts / 2, into);
-  slice(below(core, -normal, -low), parts - parts / 2, into);
+  slice(core_below(core, normal, low), parts / 2, into);
+  slice(core_below(core, -normal, -low), parts - parts / 2, into);
 }
 
 }  // namespace

@@ -41,7 +41,8 @@ Remainder without_ball(const Template& whole, std::size_t which) {
   std::vector<Piece> pieces = whole.pieces;
   pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(which));
   const Vec3 lost = part.volume > 0 ? Vec3(part.first / part.volume) : balls[which].centre;
-  return {template_of(pieces, solid, smallest_hole(pieces)), solid.centre, solid.axes, part.volume,
+  return {{template_of(pieces, solid, smallest_hole(pieces)), solid.centre, solid.axes},
+          part.volume,
           lost};
 }
 

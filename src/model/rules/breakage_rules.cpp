@@ -1,4 +1,4 @@
-// Rules of the breakage of corners: which stones can break, and in which stages.
+// Rules of breakage: which stones can break, and in which stages.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,26 +20,29 @@ bool of_corners(bed::StoneKind kind) {
   return kind == bed::StoneKind::polyhedra || kind == bed::StoneKind::compound;
 }
 
-bool any_corners(const Model& model) {
-  const auto layers = layers_of(model);
-  return std::any_of(layers.begin(), layers.end(),
-                     [](const auto& layer) { return of_corners(layer.stone); });
-}
-
-// Stones of a library or of a checkpoint may be clumps.
-bool any_clump(const Model& model) {
-  if (!model.start.empty() || !model.bed.cell.empty()) return true;
+// Stones of a library or of a checkpoint may be of either kind.
+bool may_be(const Model& model, bool (*of_kind)(bed::StoneKind)) {
+  if (!model.start.empty() || !model.bed.cell.empty() || model.is_placed()) return true;
   const auto layers = layers_of(model);
   return std::any_of(layers.begin(), layers.end(), [&](const auto& layer) {
-    const bool clump =
-        layer.stone == bed::StoneKind::clump || layer.stone == bed::StoneKind::library;
-    return clump && layer.material == model.breakage.material;
+    return (of_kind(layer.stone) || layer.stone == bed::StoneKind::library) &&
+           layer.material == model.breakage.material;
   });
 }
+
+bool any_corners(const Model& model) {
+  const auto layers = layers_of(model);
+  return !model.is_placed() && std::any_of(layers.begin(), layers.end(), [](const auto& layer) {
+    return of_corners(layer.stone);
+  });
+}
+
+bool is_clump(bed::StoneKind kind) { return kind == bed::StoneKind::clump; }
 
 }  // namespace
 
 std::size_t Model::breaks_from() const {
+  if (is_placed() && breakage.from.empty()) return 0;
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const bool loads = stages[i].kind == StageKind::load || stages[i].kind == StageKind::passage;
     if (breakage.from.empty() ? loads : stages[i].name == breakage.from) return i;
@@ -51,38 +54,43 @@ std::size_t Model::breaks_from() const {
 // are.
 void declare_breakage(const Model& model, input::Section& s) {
   const dem::BreakageParameters& p = model.breakage;
-  if (p.strength == 0) {
+  if (!p.any()) {
     const auto text = [](dem::BreakageParameters of) {
-      of.strength = 0;
       return input::effective([&of](input::Section& inner) { of.declare(inner); });
     };
     return s.rule("breakage.strength", text(p) == text({}),
-                  "is 0: nothing breaks, and the other parameters of [breakage] have no effect",
+                  "is 0, as are those of splitting and cutting: nothing breaks, and the other "
+                  "parameters of [breakage] have no effect",
                   {.severity = input::Severity::warning, .reads = {"breakage"}});
   }
   const input::About about{
       .reads = {"breakage", "dimension", "bed", "stone", "material", "start", "stage"}};
-  s.rule("breakage.strength", model.dimension == Dimension::space,
-         "must be 0 in a plane model: only corners of clumps in space break (dimension)", about);
-  s.rule("breakage.strength", !any_corners(model),
+  s.rule("breakage", model.dimension == Dimension::space,
+         "breakage exists in space only, not in a plane model (dimension)", about);
+  s.rule("breakage.strength", !p.of_clumps() || !any_corners(model),
          "must be 0 with stones that have corners: only pebbles of clumps break off (stone = "
-         "\"clump\")",
+         "\"clump\"); give breakage.splitting.strength or breakage.cutting.strength",
          about);
   model.physics.rule_of_name(s, "breakage.material", p.material);
-  s.rule("breakage.material", model.material(p.material) < 0 || any_clump(model),
-         fmt::format("there are no clumps of \"{}\": nothing breaks", p.material),
-         {.severity = input::Severity::warning, .reads = about.reads});
+  const bool known = model.material(p.material) >= 0;
+  const input::About unusual{.severity = input::Severity::warning, .reads = about.reads};
+  s.rule("breakage.strength", !p.of_clumps() || !known || may_be(model, is_clump),
+         fmt::format("there are no clumps of \"{}\": no pebbles break off", p.material), unusual);
+  s.rule("breakage.splitting.strength", !p.of_corners() || !known || may_be(model, of_corners),
+         fmt::format("there are no polyhedra or compounds of \"{}\": none splits or loses corners",
+                     p.material),
+         unusual);
   const std::size_t from = model.breaks_from();
   s.rule("breakage.from", p.from.empty() || from < model.stages.size(),
          fmt::format("there is no stage \"{}\"", p.from), about);
-  s.rule("breakage.strength", !p.from.empty() || from < model.stages.size(),
-         "has no effect: there is no stage of kind load or passage; name the first stage with "
+  s.rule("breakage.from", !p.from.empty() || from < model.stages.size(),
+         "nothing breaks: there is no stage of kind load or passage; name the first stage with "
          "breakage (breakage.from)",
          {.severity = input::Severity::warning, .reads = about.reads});
   for (std::size_t i = from; i < model.stages.size(); ++i) {
     const StageKind kind = model.stages[i].kind;
     s.rule(fmt::format("stage[{}].kind", i), kind != StageKind::fill && kind != StageKind::cribs,
-           "pours stones after corners have begun to break; let them break from a later stage on "
+           "pours stones after others have begun to break; let them break from a later stage on "
            "(breakage.from)",
            about);
   }

@@ -26,7 +26,7 @@ void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension
 void declare_ground_yields(const Model& model, input::Section& s);
 void declare_walls(const Model& model, input::Section& s);
 inline constexpr const char* breakage_meaning =
-    "Breakage: pebbles of clumps that break off as corners (docs/breakage.md).";
+    "Breakage: pebbles of clumps break off; polyhedra split and lose corners (docs/breakage.md).";
 void declare_breakage(const Model& model, input::Section& s);
 void declare_tamping(const Model& model, input::Section& s);
 // Warns of a dem.safety that is large for compacted stones with corners, if there are any.

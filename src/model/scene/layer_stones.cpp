@@ -139,7 +139,7 @@ StonesStep step_of(const Model& model, const StonesOfLayers& layers) {
     largest = std::max(largest, stones.largest_bound);
   }
   const dem::BreakageParameters& breakage = model.breakage;
-  if (const int number = model.material(breakage.material); breakage.strength > 0 && number >= 0)
+  if (const int number = model.material(breakage.material); breakage.any() && number >= 0)
     lightest = std::min(
         lightest,
         least_fragment(breakage, model.physics.materials[static_cast<std::size_t>(number)]));

@@ -116,9 +116,13 @@ void Placement::place(dem::Particles& particles) {
   particles.add(mine);
 }
 
-// Each stone is on one rank, all others add zeros: the sum is exact. In the order of the deck.
+// Each stone is on one rank, all others add zeros: the sum is exact. In the order of the deck;
+// parts that broke off follow.
 std::vector<dem::ParticleView> Placement::stones_of(const dem::Particles& particles) const {
-  std::vector<double> rows(columns * axes_.size(), 0);
+  Id last = static_cast<Id>(axes_.size()) - 1;
+  for (std::size_t i = 0; i < particles.size(); ++i) last = std::max(last, particles[i].id);
+  const auto count = static_cast<std::size_t>(comm_.max(last) + 1);
+  std::vector<double> rows(columns * count, 0);
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const dem::ParticleView p = particles[i];
     const std::array<double, columns> row = packed(p);
@@ -126,7 +130,7 @@ std::vector<dem::ParticleView> Placement::stones_of(const dem::Particles& partic
   }
   if (comm_.size() > 1) comm_.sum(std::span<double>(rows));
   std::vector<dem::ParticleView> stones;
-  for (std::size_t i = 0; i < axes_.size(); ++i)
+  for (std::size_t i = 0; i < count; ++i)
     stones.push_back(unpacked(static_cast<Id>(i), rows.data() + columns * i));
   return stones;
 }
@@ -151,7 +155,7 @@ double Placement::energy(const dem::Particles& particles) const {
 
 void Placement::begin(const dem::Particles& particles, std::span<const Vec3> on_surfaces) {
   const std::vector<dem::ParticleView> stones = stones_of(particles);
-  for (std::size_t i = 0; i < stones.size(); ++i) on_stones_[i].add(stones[i].force, 0);
+  for (std::size_t i = 0; i < axes_.size(); ++i) on_stones_[i].add(stones[i].force, 0);
   for (std::size_t k = 0; k < on_surfaces.size(); ++k) on_surfaces_[k].add(on_surfaces[k], 0);
   energy_at_begin_ = energy(particles);
   power_ = power(stones, on_surfaces);
@@ -160,7 +164,7 @@ void Placement::begin(const dem::Particles& particles, std::span<const Vec3> on_
 void Placement::watch(const dem::Particles& particles, std::span<const Vec3> on_surfaces,
                       double dt) {
   const std::vector<dem::ParticleView> stones = stones_of(particles);
-  for (std::size_t i = 0; i < stones.size(); ++i) on_stones_[i].add(stones[i].force, dt);
+  for (std::size_t i = 0; i < axes_.size(); ++i) on_stones_[i].add(stones[i].force, dt);
   for (std::size_t k = 0; k < on_surfaces.size(); ++k) on_surfaces_[k].add(on_surfaces[k], dt);
   const double now = power(stones, on_surfaces);
   supplied_ += dt / 2 * (power_ + now);
@@ -169,17 +173,22 @@ void Placement::watch(const dem::Particles& particles, std::span<const Vec3> on_
 
 observe::PlacedInstant Placement::instant(const dem::Particles& particles, double time) const {
   observe::PlacedInstant instant;
-  std::vector<std::int64_t> contacts(axes_.size() + 1, 0);  // of each stone, then all
+  const std::vector<dem::ParticleView> stones = stones_of(particles);
+  std::vector<std::int64_t> contacts(stones.size() + 1, 0);  // of each stone, then all
   particles.contacts([&](const dem::ContactView& contact) {
     ++contacts[static_cast<std::size_t>(contact.first)];
     if (contact.second >= 0) ++contacts[static_cast<std::size_t>(contact.second)];
     ++contacts.back();
   });
   comm_.sum(std::span<std::int64_t>(contacts));
-  const std::vector<dem::ParticleView> stones = stones_of(particles);
   for (std::size_t i = 0; i < stones.size(); ++i) {
     const dem::ParticleView& p = stones[i];
     const Vec3 momentum = p.mass * p.velocity;
+    instant.translational += 0.5 * momentum.dot(p.velocity);
+    instant.rotational += 0.5 * p.angular_momentum.dot(p.spin);
+    instant.momentum += momentum;
+    instant.angular_momentum += p.angular_momentum + p.position.cross(momentum);
+    if (i >= axes_.size()) continue;  // a part without a name
     instant.stones.push_back({.name = model_.placed.stones[i].name,
                               .position = p.position,
                               .velocity = p.velocity,
@@ -192,10 +201,6 @@ observe::PlacedInstant Placement::instant(const dem::Particles& particles, doubl
                               .impulse = on_stones_[i].impulse,
                               .peak_force = on_stones_[i].peak,
                               .contacts = contacts[i]});
-    instant.translational += 0.5 * momentum.dot(p.velocity);
-    instant.rotational += 0.5 * p.angular_momentum.dot(p.spin);
-    instant.momentum += momentum;
-    instant.angular_momentum += p.angular_momentum + p.position.cross(momentum);
   }
   for (std::size_t k = 0; k < on_surfaces_.size(); ++k)
     instant.surfaces.push_back({.name = surfaces_.surfaces()[k].name,

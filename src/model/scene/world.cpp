@@ -212,7 +212,7 @@ observe::Scene World::scene() {
           .sleepers = sleepers && sleepers->placed() ? &*sleepers : nullptr,
           .bodies = solids && solids->placed() ? &solids->bodies() : nullptr,
           .stones = model.has_stones(),
-          .breaks = model.breakage.strength > 0,
+          .breaks = model.breakage.any(),
           .surfaces = std::move(shown)};
 }
 

@@ -15,8 +15,10 @@ namespace trackbed::model {
 namespace {
 
 std::string stone_named(const World& world, Id id) {
-  return fmt::format("stone \"{}\"",
-                     world.model.placed.stones.at(static_cast<std::size_t>(id)).name);
+  const auto& stones = world.model.placed.stones;
+  const auto number = static_cast<std::size_t>(id);
+  if (number >= stones.size()) return fmt::format("part {} of a broken stone", id);
+  return fmt::format("stone \"{}\"", stones[number].name);
 }
 
 // m, smallest radius of the pieces of an own stone; infinite for others.

@@ -200,10 +200,12 @@ void put_figures(const FigureInput& run, Json& json) {
   if (stones)
     json["energy"] = {
         {"kinetic", totals.kinetic}, {"potential", totals.potential}, {"elastic", totals.elastic}};
-  if (run.world.model.breakage.strength > 0) {
+  if (run.world.model.breakage.any()) {
     const dem::BreakTotals broken = run.world.particles.broken();
     json["breakage"] = {{"fragments", broken.fragments},
                         {"fines", broken.fines},
+                        {"cuts", broken.cuts},
+                        {"splits", broken.splits},
                         {"fragment_mass_kg", broken.fragment_mass},
                         {"fines_mass_kg", broken.fines_mass},
                         {"released_j", broken.released},

@@ -96,7 +96,7 @@ void say_stage_begins(RunContext& run, World& world, const Stage& stage) {
              : "",
       course.steps.limit, static_cast<double>(course.clock.windows()) * course.clock.dt(),
       course.clock.windows(), bytes);
-  if (world.model.breakage.strength > 0)
+  if (world.model.breakage.of_clumps())
     if (const std::int64_t weak = world.particles.weak_pebbles(); weak >= 0)
       say_values(comm, "  breakage: {} of {} pebbles can break off{}", weak, totals.pieces,
                  weak > 0 ? ""

@@ -80,7 +80,7 @@ void StageActions::begin(const Stage& stage) {
   if (stage.profile > 0 && stage.kind != StageKind::cribs) cut_to_profile(world_, stage.profile);
   if (stage.kind == StageKind::cribs) fill_cribs(stage);
   if (stage.kind == StageKind::tamp) world_.place_tines();
-  if (model_.breakage.strength > 0)
+  if (model_.breakage.any())
     world_.particles.let_break(static_cast<std::size_t>(&stage - model_.stages.data()) >=
                                model_.breaks_from());
   if (has_cycles(stage)) settlement_.begin(*world_.sleepers);
