@@ -2,7 +2,7 @@
 """Crushes many single stones of several sizes between plates and compares their strengths with
 Weibull's law and its size effect.
 
-    crushing.py PROGRAM FOLDER [--sizes 0.02 0.03 0.04 0.05 0.06] [--stones 40] [CHANGE...]
+    crushing.py PROGRAM FOLDER [--sizes 0.02,0.03,0.04,0.05,0.06] [--stones 40] [CHANGE...]
 
 The deck is inputs/verify/splitting.toml, with changes such as breakage.splitting.weibull=2; a run
 in FOLDER/SIZE for each size (m). Finished runs are not repeated. Writes strengths.csv and
@@ -130,14 +130,32 @@ def draw(found, path):
     figure.savefig(path, dpi=110)
 
 
+def sizes_of(word):
+    return tuple(map(float, word.split(",")))
+
+
+def summarise(found, column, name):
+    """Exponent of the 37 % strength over the size, and strength and modulus of all stones scaled to
+    the middle size by the exponent -1."""
+    sizes = np.array(list(found))
+    scales = [fit(values[:, column])[1] for values in found.values()]
+    exponent = np.polyfit(np.log(sizes), np.log(scales), 1)[0]
+    middle = float(np.median(sizes))
+    scaled = np.concatenate([values[:, column] * size / middle for size, values in found.items()])
+    modulus, scale = fit(scaled)
+    print(f"{name}: proportional to size^{exponent:.2f}; {len(scaled)} stones scaled to "
+          f"{1e3 * middle:g} mm: {scale / 1e6:.2f} MPa, m {modulus:.2f}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("program", type=launch.program)
     parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("--sizes", type=float, nargs="+", default=(0.02, 0.03, 0.04, 0.05, 0.06))
+    parser.add_argument("--sizes", type=sizes_of, default=sizes_of("0.02,0.03,0.04,0.05,0.06"),
+                        help="m, separated by commas")
     parser.add_argument("--stones", type=int, default=40)
     parser.add_argument("changes", nargs="*")
-    given = parser.parse_args()
+    given = parser.parse_intermixed_args()
     launch.make_folder(given.folder)
     found = {}
     for size in given.sizes:
@@ -157,6 +175,9 @@ def main():
         table.writerow(("size_m", "platen_stress_Pa", "shear_stress_Pa"))
         for size, values in found.items():
             table.writerows((f"{size:g}", f"{a:.6g}", f"{b:.6g}") for a, b in values)
+    if len(found) > 1:
+        summarise(found, 0, "F/h^2")
+        summarise(found, 1, "shear stress")
     draw(found, given.folder / "crushing.png")
     print(f"figure: {given.folder / 'crushing.png'}")
 

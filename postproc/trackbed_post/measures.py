@@ -495,8 +495,8 @@ def sieved_with_fines(run, stage):
 
 def breaks_by_sleeper(run, stage):
     """Of each sleeper: parts that broke off within half a sleeper spacing, those below it
-    (between its sides), and those below it that are nearer to an edge than to its middle. A part is
-    a row with a mass: a fragment, or fines."""
+    (between its sides), and those below it that are nearer to an edge than to its middle. Fragments
+    and fines of an event are counted separately."""
     rows, sleepers = run.breaks[stage], run.deck["sleepers"]
     x = rows[:, read.BREAK["x"]]
     centres = sleepers["first"] + sleepers["spacing"] * np.arange(sleepers["count"])
@@ -507,7 +507,7 @@ def breaks_by_sleeper(run, stage):
 
 
 def stages_of_breakage(run):
-    """The last stage before the first pebble breaks off, and the last stage; None without any."""
+    """The last stage before the first part breaks off, and the last stage; None without any."""
     names = list(run.breaks)
     broken = [name for name in names if len(run.breaks[name])]
     if not broken:

@@ -195,7 +195,7 @@ def results(path):
             raise Unreadable(f"{_foreign(file_path, file)} ({error.args[0]})") from None
 
 
-# Columns of the rows of breakage: s, -, - (fragment -1: fines), m, m, m, m, kg, N, J, J.
+# Columns of the rows of breakage: s, -, - (fragment -1: fines), m, m, m, m, kg, N, J, J, Pa, -.
 BREAK = {name: k for k, name in enumerate((
     "time", "stone", "fragment", "x", "y", "z", "diameter", "mass", "force", "released", "lost",
     "stress", "kind"))}

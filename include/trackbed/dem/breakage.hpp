@@ -78,25 +78,25 @@ double least_fragment(const BreakageParameters& p, const Material& material);
 
 enum class BreakKind { pebble, cut, split };
 
-// A part that broke off: a pebble of a clump, the corner of a polyhedron, the smaller half of one.
-// What is lost besides a half is a Break of its own, of fines.
+// What broke off: a pebble of a clump, the corner of a polyhedron, the smaller part of a split one.
+// What a split loses besides is a Break of its own, of fines.
 struct Break {
   double time = 0;                // s, simulated since the particles exist
   Id stone = 0, fragment = -1;    // fragment -1: too small, it was removed as fines
   std::int64_t pebble = 0;        // of a clump
-  Vec3 position = Vec3::Zero();   // m, centre of the fragment
+  Vec3 position = Vec3::Zero();   // m, centre of the fragment; of a corner that of its stone
   double diameter = 0, mass = 0;  // m, kg, of the fragment or of the fines
   double force = 0;               // N, of the contact that broke it, or of the largest one
   // J: elastic energy of the normal spring of that contact, of a split stone of all its contacts;
   // kinetic energy lost
   double released = 0, lost = 0;
-  double stress = 0;  // Pa, that reached the strength, of polyhedra
+  double stress = 0;  // Pa: of a split its octahedral shear stress, of a corner its strength
   BreakKind kind = BreakKind::pebble;
 };
 
 // Sums over all ranks since the particles exist; bitwise identical for any number of ranks.
 struct BreakTotals {
-  std::int64_t fragments = 0, fines = 0;     // numbers of parts
+  std::int64_t fragments = 0, fines = 0;     // numbers; fines: of events that lose some
   std::int64_t cuts = 0, splits = 0;         // events of stones with corners
   double fragment_mass = 0, fines_mass = 0;  // kg
   double released = 0, lost = 0;             // J, as in Break

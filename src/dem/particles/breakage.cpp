@@ -20,18 +20,21 @@ namespace trackbed::dem {
 namespace {
 
 // Of the largest radius when stones begin to break: a clump of which every corner on one side
-// breaks off has its centre of mass moved by less than this, and no half of a stone reaches farther
-// from its own centre of mass.
+// breaks off has its centre of mass moved by less than this, and no part of a split stone reaches
+// farther from its own centre of mass.
 constexpr double remainder_room = 1.5;
 
 }  // namespace
 
+double weibull_factor(std::uint64_t seed, std::uint64_t key, double modulus) {
+  const double survival = std::clamp(uniform(seed, key), 0x1.0p-54, 1 - 0x1.0p-53);  // in (0, 1)
+  return std::pow(-std::log(survival), 1 / modulus);
+}
+
 double strength_of(const BreakageParameters& p, Id stone, std::int64_t pebble, double diameter) {
   const auto key = static_cast<std::uint64_t>(piece_key(stone, static_cast<std::size_t>(pebble)));
-  const double drawn = uniform(static_cast<std::uint64_t>(p.seed), key);
-  const double survival = std::clamp(drawn, 0x1.0p-54, 1 - 0x1.0p-53);  // above 0 and below 1
   return p.strength * diameter * diameter * std::pow(diameter / p.diameter, p.size_exponent) *
-         std::pow(-std::log(survival), 1 / p.weibull);
+         weibull_factor(static_cast<std::uint64_t>(p.seed), key, p.weibull);
 }
 
 double least_fragment(const BreakageParameters& p, const Material& material) {

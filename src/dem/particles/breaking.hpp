@@ -22,6 +22,9 @@ inline double ball_volume(double radius) {
 }
 inline double radius_of(double volume) { return std::cbrt(3 * volume / (4 * std::numbers::pi)); }
 
+// [ln(1/P)]^(1/modulus) with the P that belongs to seed and key.
+double weibull_factor(std::uint64_t seed, std::uint64_t key, double modulus);
+
 // The longest growth of a fragment at a time over the radius of the smallest one. Lists must hold
 // what two of them may reach, and some motion.
 inline constexpr double longest_growth = 0.1, growth_in_lists = 4 * longest_growth;

@@ -24,6 +24,19 @@ std::vector<Cut> Particles::Impl::gather_cuts() {
   return all;
 }
 
+// Adds a row for each part with a mass (kg); energies belong to the first.
+void Particles::Impl::record(const Cut& cut, const Vec3& place, double lost,
+                             std::initializer_list<std::pair<Id, double>> parts) {
+  Break row{breaking.elapsed, cut.stone, -1, 0, place, 0, 0, cut.force, cut.energy, lost};
+  row.kind = static_cast<BreakKind>(cut.kind), row.stress = cut.stress;
+  for (const auto& [fragment, mass] : parts) {
+    if (!(mass > 0)) continue;
+    row.fragment = fragment, row.mass = mass, row.diameter = 2 * radius_of(mass / cut.density);
+    breaking.breaks.push_back(row);
+    row.released = row.lost = 0;
+  }
+}
+
 // One stone, on every rank; its owner divides it. Returns the kinetic energy that is lost, J, on
 // the owner, else 0.
 double Particles::Impl::cut_off(const Cut& cut, std::unordered_map<Id, Changed>& stones) {
@@ -60,21 +73,11 @@ double Particles::Impl::cut_off(const Cut& cut, std::unordered_map<Id, Changed>&
   if (keeps) piece = {*parts[other], add_shape(other), cut.size[other], breaking.next++};
   double lost = 0;
   if (const auto b = own_number(cut.stone)) {
-    const auto place = [&](std::size_t side) -> Vec3 {
-      const Vec3 at = parts[side] ? parts[side]->centre : Vec3::Zero();
-      return state.x[*b].vec3() + quat(state.q[*b]) * Vec3(cut.scale * at);
-    };
-    Break row{breaking.elapsed, cut.stone, piece.id, 0, place(other), 0, 0, cut.force};
-    row.kind = kind, row.stress = cut.stress, row.released = cut.energy;
-    const auto record = [&](Id fragment, double mass) {
-      row.fragment = fragment, row.mass = mass;
-      row.diameter = 2 * radius_of(mass / cut.density);
-      breaking.breaks.push_back(row);
-      row.released = row.lost = 0;
-    };
-    row.lost = lost = divide(*b, rest, keeps ? &piece : nullptr, kind == BreakKind::split);
-    if (keeps) record(piece.id, other_mass);
-    if (fines > 0) record(-1, fines);
+    // Of the other part; a crushed corner is recorded at the centre of its stone.
+    const Vec3 at = parts[other] ? parts[other]->centre : Vec3::Zero();
+    const Vec3 place = state.x[*b].vec3() + quat(state.q[*b]) * Vec3(cut.scale * at);
+    lost = divide(*b, rest, keeps ? &piece : nullptr, kind == BreakKind::split);
+    record(cut, place, lost, {{piece.id, keeps ? other_mass : 0}, {-1, fines}});
   }
   BreakTotals& totals = breaking.totals;
   ++(kind == BreakKind::split ? totals.splits : totals.cuts);

@@ -120,6 +120,8 @@ struct Particles::Impl {
   void find_cuts(int steps_of_window);  // at its end
   std::vector<Cut> gather_cuts();       // collective
   double cut_off(const Cut& cut, std::unordered_map<Id, Changed>& stones);
+  void record(const Cut& cut, const Vec3& place, double lost,
+              std::initializer_list<std::pair<Id, double>> parts);
   double divide(std::size_t b, const NewPart& rest, const NewPart* piece, bool split);
   void find_growing();  // in new lists; collective
   double space_of(const GrowingFragment& fragment, double wanted) const;

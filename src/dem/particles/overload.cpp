@@ -30,9 +30,12 @@ enum class Draw : std::uint64_t { splitting = 1, cutting = 2 };
 
 double weibull_of(const BreakageParameters& p, Draw draw, std::int64_t key, double modulus) {
   const auto seed = mix(static_cast<std::uint64_t>(p.seed)) + static_cast<std::uint64_t>(draw);
-  const double drawn = uniform(seed, static_cast<std::uint64_t>(key));
-  const double survival = std::clamp(drawn, 0x1.0p-54, 1 - 0x1.0p-53);  // above 0 and below 1
-  return std::pow(-std::log(survival), 1 / modulus);
+  return weibull_factor(seed, static_cast<std::uint64_t>(key), modulus);
+}
+
+// Pa, from the sum of force x arm over the contacts of a stone (Nm) and its volume (m^3).
+Mat3 mean_stress(const Mat3& moment, double volume) {
+  return (moment + moment.transpose()) / (2 * volume);
 }
 
 // Pa: sqrt((s1 - s2)^2 + (s2 - s3)^2 + (s3 - s1)^2)/3 of the principal stresses.
@@ -211,7 +214,7 @@ std::optional<Cut> Particles::Impl::cut_of(std::size_t b,
   const double scale = state.scale_now(b), volume = whole.volume * scale * scale * scale;
   Mat3 moment = Mat3::Zero();
   for (const ContactLoad& load : loads) moment -= scale * load.force * load.arm.transpose();
-  const Mat3 stress = (moment + moment.transpose()) / (2 * volume);
+  const Mat3 stress = mean_stress(moment, volume);
   const double density = physics.materials[static_cast<std::size_t>(state.material[b])].density;
   const double least_volume = breaking.least_mass / (density * scale * scale * scale);
   Cut cut{};
@@ -251,7 +254,7 @@ std::vector<std::size_t> Particles::Impl::suspects(const ContactLoop& contacts) 
     if (!(forces[b] > 0) || !may_split(b)) continue;
     const Template& whole = shapes[state.shape[b]];
     const double scale = state.scale_now(b), volume = whole.volume * scale * scale * scale;
-    const Mat3 stress = (moments[b] + moments[b].transpose()) / (2 * volume);
+    const Mat3 stress = mean_stress(moments[b], volume);
     const std::int64_t splits = shapes.label(shapes.begin(state.shape[b]));
     const bool splitting =
         p.splitting.strength > 0 &&

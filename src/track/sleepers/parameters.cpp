@@ -56,7 +56,6 @@ void SleeperParameters::declare(input::Section& s) {
          fmt::format("must be larger than the width ({:g} m)", width));
 }
 
-// Each kind of load uses some of these; the brackets state which.
 double SeatLoadParameters::impact_factor() const {
   constexpr double growth = 5.21e-3, kmh = 3.6;  // growth: m h/km
   return wheel_diameter > 0 ? 1 + growth * kmh * speed / wheel_diameter : 1;
@@ -68,6 +67,7 @@ double SeatLoadParameters::peak_load() const {
   return wheel_load > 0 ? slice * largest_seat_load() : peak;
 }
 
+// Each kind of load uses some of these; the brackets state which.
 void SeatLoadParameters::declare(input::Section& s) {
   s.choice("kind", kind, {"winkler", "power", "table", "seats"},
            "Seat loads; winkler: distributed along the track like the deflection of a beam on a "
@@ -101,7 +101,7 @@ void SeatLoadParameters::declare(input::Section& s) {
   s.number("wheel_load", wheel_load,
            {.unit = "N", .at_least = 0, .usually_from = 1e4, .usually_to = 3e5},
            "Static load of a wheel, half of an axle load, from which the seat load of one axle is "
-           "computed in the place of `peak`: slice * seat_share * wheel_load * (1 + 5.21e-3 v/D), "
+           "computed instead of `peak`: slice * seat_share * wheel_load * (1 + 5.21e-3 v/D), "
            "with v in km/h and the wheel diameter D in m (winkler, power); 0: `peak` is given.");
   s.number("wheel_diameter", wheel_diameter,
            {.unit = "m", .at_least = 0, .usually_from = 0.3, .usually_to = 1.5},
