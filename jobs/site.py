@@ -26,7 +26,7 @@ CHAPTERS = {
     "User guide": ("running", "track", "bed", "stones", "ground", "solid_track", "shapes",
                    "laboratory", "postproc"),
     "Studies": ("studies/netirail/README", "studies/shi/README",
-                "studies/demfem/README"),
+                "studies/demfem/README", "studies/chen/README"),
     "Reference": ("input", "checkpoint", "glossary", "verification", "theory"),
     "Development": ("architecture",),
 }

@@ -14,7 +14,7 @@ import pytest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "jobs"))
 import launch  # noqa: E402
 import study  # noqa: E402
-from studies import demfem, netirail, netirail_document, shi  # noqa: E402
+from studies import chen, demfem, netirail, netirail_document, shi  # noqa: E402
 from studies.study import (Lines, Numbers, Run, Target, counted, reflowed,  # noqa: E402
                            targets_table)
 
@@ -296,3 +296,51 @@ def test_signs_of_hard_and_main_targets_are_required():
     targets = [of(kind, sign) for kind in ("hard", "main", "soft")
                for sign in (True, False, None, np.bool_(False), np.float64(1) > 2)]
     assert study.wrong(targets) == [f"{kind} False" for kind in ("hard", "main") for _ in range(3)]
+
+
+class LinearSlice(chen.Passage):
+    """A slice whose stresses are known: vertical stress of 1 kPa per m of depth and s, and shear
+    that depends on the distance from sleeper 3."""
+
+    def __init__(self, shear):
+        self.load = {"start": -2.5, "speed": 10.0, "axles": [0, 2.5, 17.5, 20]}
+        self.time = np.linspace(0, 3, 301)
+        self.x, self.z = np.linspace(0.05, 2.95, 30), np.linspace(0.025, 0.575, 12)
+        self.sleepers = 0.3 + 0.6 * np.arange(5)
+        self.stress = np.zeros((301, 12, 30, 6))
+        self.stress[..., 2] = 1e3 * (0.45 - self.z)[:, None] * self.time[:, None, None]
+        self.stress[..., 4] = shear(self.x - 1.5)
+
+
+def test_stresses_of_a_slice_are_found_at_depths_and_times():
+    found = LinearSlice(np.sin)
+    assert found.when(1.5, 2.5) == pytest.approx(0.65)  # 6.5 m at 10 m/s
+    assert np.allclose(found.wheels(1.5), (0.4, 2.15))
+    assert np.allclose(found.unloaded(1.5), (1.5 + 10 + 2.5) / 10)
+    for depth in chen.DEPTHS:
+        history = found.below(1.5, depth, 2)
+        assert np.allclose(history, 1e3 * depth * found.time)
+        assert found.at([0.123], history) == pytest.approx(123 * depth)
+
+
+def test_an_axle_is_found_at_the_peak_of_its_pulse():
+    found = LinearSlice(np.sin)
+    pulses = sum(0.6**((10 * found.time - 4 - axle) / 0.6)**2 for axle in (0, 2.5))
+    delay = found.peak(pulses, 1.5, 2.5) - found.peak(pulses, 1.5, 0)
+    assert delay == pytest.approx(0.25, rel=5e-3)
+
+
+@pytest.mark.parametrize("shear, part", [(np.sin, 1), (np.cos, 0),
+                                         (lambda x: np.sign(x) + 1, 0.5)])
+def test_antisymmetric_part_of_shear(shear, part):
+    found = LinearSlice(shear)
+    fields = found.at(found.wheels(1.5), found.stress)
+    assert chen.antisymmetric(found, fields) == pytest.approx(part)
+
+
+def test_growth_compares_loads_packing_by_packing():
+    numbers = Numbers({})
+    for packing, light, heavy in ((1, 100, 150), (2, 200, 500)):
+        numbers.put(chen.name_of(17, 120, packing), "corners broken", light, "-")
+        numbers.put(chen.name_of(25, 120, packing), "corners broken", heavy, "-")
+    assert np.allclose(chen.growth(numbers, "corners broken"), (50, 150))

@@ -54,7 +54,7 @@ def check_program(program, source, folder):
         refused(folder, f"handover.load (--load) = {load} must be a finite number above 0",
                 [loop, "./here", deck, "results", "--load", load])
     refused(folder, "there: No such file", [loop, "./there", deck, "results"])
-    refused(folder, '"netirial" is no study; these are: netirail, shi, demfem',
+    refused(folder, '"netirial" is no study; these are: netirail, shi, demfem, chen',
             [source / "jobs/study.py", "./there", "netirial", "short", "study"])
     refused(folder, "numbers.csv: No such file",
             [source / "jobs/study.py", "--document", "netirail", "study"])
