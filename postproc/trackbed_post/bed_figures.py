@@ -136,7 +136,8 @@ def breakage(runs):
     figure, (counts, places, sieves) = plt.subplots(3, 1, figsize=(8, 10))
     shown = []
     for run, colour, mark in zip(runs, COLOURS, "ox"):
-        rows = list(run.breaks.values())[-1]
+        last = list(run.breaks)[-1]
+        rows = measures.parts_broken(run, last)
         rows = rows[np.argsort(rows[:, column["time"]])]
         fragments = np.cumsum(rows[:, column["fragment"]] >= 0)
         time = rows[:, column["time"]]
@@ -147,7 +148,7 @@ def breakage(runs):
                        s=(2e3 * rows[:, column["diameter"]])**2 / 8, alpha=0.6,
                        label=f"{run.name}: {len(rows)} parts")
         if run.deck.get("sleepers", {}).get("count", 0) > 0:
-            near, below, _ = measures.breaks_by_sleeper(run, list(run.breaks)[-1])
+            near, below, _ = measures.breaks_by_sleeper(run, last)
             shown.append(f"{run.name}, near each sleeper (below it): "
                          + ", ".join(f"{a} ({b})" for a, b in zip(near, below)))
         stages = measures.stages_of_breakage(run)

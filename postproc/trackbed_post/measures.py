@@ -484,20 +484,28 @@ def breakage_index(openings, before, after):
 
 def sieved_with_fines(run, stage):
     """Rows of opening (m) and mass (kg) of stones and fragments at the end of a stage, and of the
-    fines, whose opening is their diameter."""
+    fines, whose opening is their diameter, that of dust the finest sieve."""
     breaks = run.breaks.get(stage)
     rows = run.stones[stage].sieved
     if breaks is None or not len(breaks):
         return rows
     fines = breaks[breaks[:, read.BREAK["fragment"]] < 0]
-    return np.concatenate([rows, fines[:, [read.BREAK["diameter"], read.BREAK["mass"]]]])
+    sizes = np.where(fines[:, read.BREAK["kind"]] == read.DUST, FINEST,
+                     fines[:, read.BREAK["diameter"]])
+    return np.concatenate([rows, np.column_stack([sizes, fines[:, read.BREAK["mass"]]])])
+
+
+def parts_broken(run, stage):
+    """Rows of BREAK without dust, which wear takes off a little at a time."""
+    rows = run.breaks[stage]
+    return rows[rows[:, read.BREAK["kind"]] != read.DUST]
 
 
 def breaks_by_sleeper(run, stage):
     """Of each sleeper: parts that broke off within half a sleeper spacing, those below it
     (between its sides), and those below it that are nearer to an edge than to its middle. Fragments
     and fines of an event are counted separately."""
-    rows, sleepers = run.breaks[stage], run.deck["sleepers"]
+    rows, sleepers = parts_broken(run, stage), run.deck["sleepers"]
     x = rows[:, read.BREAK["x"]]
     centres = sleepers["first"] + sleepers["spacing"] * np.arange(sleepers["count"])
     off = np.abs(x[:, None] - centres)
@@ -509,7 +517,7 @@ def breaks_by_sleeper(run, stage):
 def stages_of_breakage(run):
     """The last stage before the first part breaks off, and the last stage; None without any."""
     names = list(run.breaks)
-    broken = [name for name in names if len(run.breaks[name])]
+    broken = [name for name in names if len(parts_broken(run, name))]
     if not broken:
         return None
     return names[max(names.index(broken[0]) - 1, 0)], names[-1]

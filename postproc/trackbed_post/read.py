@@ -199,7 +199,7 @@ def results(path):
 BREAK = {name: k for k, name in enumerate((
     "time", "stone", "fragment", "x", "y", "z", "diameter", "mass", "force", "released", "lost",
     "stress", "kind"))}
-PEBBLE, CORNER, SPLIT = range(3)  # kinds of a break; older results have pebbles alone
+PEBBLE, CORNER, SPLIT, DUST = range(4)  # kinds of a break; older results have pebbles alone
 
 
 def _breaks(rows):

@@ -76,7 +76,7 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
            "parts that broke off up to the end of the stage: time, stone, fragment "
            "(-1: fines), x, y, z, diameter, mass, force, elastic energy of its contacts, "
            "kinetic energy lost, stress, kind (0: pebble of a clump, 1: corner of a "
-           "polyhedron, 2: part of a split stone)"});
+           "polyhedron, 2: part of a split stone, 3: dust of a worn stone)"});
     if (cell > 0)
       file.write<double>("surface/" + stage + "/top", own, 3,
                          {"m", "x, y of each cell, and z of the highest stone in the cell"});

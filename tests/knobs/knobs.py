@@ -62,6 +62,8 @@ BREAKS = [*SPACE[:1], SPACE[2], "bed.stone=clump",
 CRUSHES = [*SPACE[:1], SPACE[2], "bed.stone=polyhedra", "dem.largest_overlap=2",
            "breakage.from=load", "breakage.least_size=0.02", "breakage.check_steps=5",
            "breakage.splitting.strength=2e4", "breakage.cutting.strength=1e6"]
+WEARS = [*CRUSHES[:3], "dem.largest_overlap=2", "breakage.from=load", "breakage.least_size=0.005",
+         "breakage.check_steps=5", "breakage.wear.coefficient=1", "breakage.wear.hardness=1e4"]
 PRESSED = ["platen.speed=1", "stage.compact.duration=0.2"]
 
 # Parameter of the schema -> (change, context). List elements are given by name or number.
@@ -148,6 +150,9 @@ KNOBS = {
     "breakage.cutting.weibull": ("breakage.cutting.weibull=6", CRUSHES),
     "breakage.cutting.least_depth": ("breakage.cutting.least_depth=0.02", CRUSHES),
     "breakage.cutting.largest_depth": ("breakage.cutting.largest_depth=0.02", CRUSHES),
+    "breakage.wear.coefficient": ("breakage.wear.coefficient=0.5", WEARS),
+    "breakage.wear.hardness": ("breakage.wear.hardness=2e4", WEARS),
+    "breakage.wear.step": ("breakage.wear.step=1e-3", WEARS),
     "ground.present": ("ground.present=false", []),
     "ground.x": ("ground.x=[-0.1, 0.6]", []),
     "ground.y": ("ground.y=[-0.2, 0.2]", SPACE),

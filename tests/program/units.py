@@ -22,6 +22,7 @@ PLAIN = {
     "/attitude", "/axes", "/held", "/history/keys", "/id", "/material", "/node", "quanta",
     "/plastic/opened", "/plastic/static", "/plastic/strain", "/scale", "/shape", "/template/faces",
     "/template/pieces", "/template/sizes", "/part", "/breakage/labels",
+    "/breakage/single",
     "/element", "/quaternion", "train/steps",
     "train/iterations", "train/lost", "/gain", "walls/removed", "sleepers/placed", "solid/moved",
     "run/stage", "run/stage_has_begun",

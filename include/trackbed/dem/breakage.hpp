@@ -25,6 +25,7 @@ struct SplittingParameters {
   double diameter = 0.04;  // m
   double weibull = 3;
   void declare(input::Section& s);
+  bool operator==(const SplittingParameters&) const = default;
 };
 
 // A corner of a polyhedron, where a contact with the force F is, is cut off by a plane across the
@@ -36,6 +37,18 @@ struct CuttingParameters {
   double weibull = 3;
   double least_depth = 0.01, largest_depth = 0.1;  // of a cut, over the diameter
   void declare(input::Section& s);
+  bool operator==(const CuttingParameters&) const = default;
+};
+
+// Polyhedra wear: each stone of a contact loses the volume coefficient W/hardness (Archard 1953,
+// doi:10.1063/1.1721448) as dust, with the work W of friction at its contacts. It becomes rounder
+// and more compact (geom::worn).
+struct WearParameters {
+  double coefficient = 0;  // Archard's over the coefficient of friction; 0: no wear
+  double hardness = 5e9;   // Pa
+  double step = 2e-4;      // of a stone's volume, which is taken off at a time
+  void declare(input::Section& s);
+  bool operator==(const WearParameters&) const = default;
 };
 
 // Pebbles with a radius below `threshold` times the largest one of their stone may break off. Each
@@ -58,11 +71,15 @@ struct BreakageParameters {
   std::int64_t seed = 1;
   SplittingParameters splitting;
   CuttingParameters cutting;
+  WearParameters wear;
   std::int64_t check_steps = 100;  // sub-steps between checks of stones with corners
   void declare(input::Section& s);
   bool of_clumps() const { return strength > 0; }
-  bool of_corners() const { return splitting.strength > 0 || cutting.strength > 0; }
+  bool wears() const { return wear.coefficient > 0; }
+  bool crushes() const { return splitting.strength > 0 || cutting.strength > 0; }
+  bool of_corners() const { return crushes() || wears(); }
   bool any() const { return of_clumps() || of_corners(); }
+  bool operator==(const BreakageParameters&) const = default;
 };
 
 // N, of a pebble of this diameter (m), number `pebble` of its unbroken stone.
@@ -76,21 +93,22 @@ double cutting_strength(const BreakageParameters& p, Id stone);  // Pa
 // kg, of the lightest fragment of this material; infinite without `least_size`.
 double least_fragment(const BreakageParameters& p, const Material& material);
 
-enum class BreakKind { pebble, cut, split };
+enum class BreakKind { pebble, cut, split, wear };
 
-// What broke off: a pebble of a clump, the corner of a polyhedron, the smaller part of a split one.
-// What a split loses besides is a Break of its own, of fines.
+// What broke off: a pebble of a clump, the corner of a polyhedron, the smaller part of a split one,
+// the dust of a worn one. What a split loses besides is a Break of its own, of fines.
 struct Break {
   double time = 0;                // s, simulated since the particles exist
   Id stone = 0, fragment = -1;    // fragment -1: too small, it was removed as fines
   std::int64_t pebble = 0;        // of a clump
   Vec3 position = Vec3::Zero();   // m, centre of the fragment; of a corner that of its stone
-  double diameter = 0, mass = 0;  // m, kg, of the fragment or of the fines
+  double diameter = 0, mass = 0;  // m, kg, of the fragment or of the fines; dust has no diameter
   double force = 0;               // N, of the contact that broke it, or of the largest one
   // J: elastic energy of the normal spring of that contact, of a split stone of all its contacts;
   // kinetic energy lost
   double released = 0, lost = 0;
-  double stress = 0;  // Pa: of a split its octahedral shear stress, of a corner its strength
+  // Pa: of a split its octahedral shear stress, of a corner its strength
+  double stress = 0;
   BreakKind kind = BreakKind::pebble;
 };
 
@@ -98,8 +116,10 @@ struct Break {
 struct BreakTotals {
   std::int64_t fragments = 0, fines = 0;     // numbers; fines: of events that lose some
   std::int64_t cuts = 0, splits = 0;         // events of stones with corners
-  double fragment_mass = 0, fines_mass = 0;  // kg
+  double fragment_mass = 0, fines_mass = 0;  // kg; dust is part of the fines
   double released = 0, lost = 0;             // J, as in Break
+  std::int64_t wears = 0;                    // events
+  double dust_mass = 0;                      // kg
 };
 
 }  // namespace trackbed::dem

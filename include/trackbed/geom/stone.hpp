@@ -164,6 +164,13 @@ Remainder without_ball(const Template& whole, std::size_t which);
 // than all else. Throws std::invalid_argument for balls.
 std::optional<StonePart> part_below(const Template& whole, const Vec3& normal, double offset);
 
+// The stone without this volume (m^3), exactly: the core shrinks towards its centroid, and the
+// rounding grows by as much as the nearest face recedes. So this face stays where it is, others
+// recede the more, the farther they are from the centroid, and corners most; no part of the stone
+// moves outwards, and corners keep their numbers. None if hardly any core would remain. Throws
+// std::invalid_argument if the stone is not one polyhedron.
+std::optional<StonePart> worn(const Template& whole, double volume);
+
 // `count` points spread evenly through a stone, to measure fractions of it: each represents 1/count
 // of its volume. Of 512 points half a per cent is on the wrong side of a straight cut in the mean,
 // 3 % at most; of a lamina 1 % at most. The points are spread through the union of the pieces;

@@ -74,15 +74,15 @@ void StoneLaw::respond_to(std::size_t number, Block& block, const WrenchLanes& w
   const StoneForce<Lanes> f = dem::respond<rolls>(touch, yielding, dt_, h);
   const Mask touching = w.M > all(0);
   store_history<rolls>(block, touching, h);
-  const auto leave = [&](Vec4 PairForce::*part, const Lanes3& v) {
+  const Lanes zero = all(0);
+  const auto leave = [&](Vec4 PairForce::*part, const Lanes3& v, Lanes fourth) {
     PairForce* slot = forces_.data() + lanes * number;
-    const Lanes zero = all(0);
     to_rows({select(touching, v.x, zero), select(touching, v.y, zero), select(touching, v.z, zero),
-             zero},
+             select(touching, fourth, zero)},
             [=](std::size_t k, Four row) { put(slot[k].*part, row); });
   };
-  leave(&PairForce::force, f.force), leave(&PairForce::turn_i, f.turn_i);
-  leave(&PairForce::turn_j, f.turn_j);
+  leave(&PairForce::force, f.force, zero), leave(&PairForce::turn_i, f.turn_i, f.work);
+  leave(&PairForce::turn_j, f.turn_j, -f.work);
 }
 
 void StoneLaw::respond(std::size_t number, Block& block, const WrenchLanes& w) {

@@ -42,6 +42,7 @@ struct StoneForce {
   Triple<Real> force, turn_i, turn_j;  // on i; torque on j of the opposite force
   Triple<Real> friction;
   Real f_n, next, moment, k_n;  // force along -N, now and next, moment of torsion, N/m
+  Real work;  // J, done against friction and torsion in the step, what their springs store included
 };
 
 // Force on i: friction - f_n N, and torque x cross friction - f_n T + moment n; on j the opposite
@@ -99,7 +100,8 @@ template <bool rolls, class Real, class Yielding>
                        f_n,
                        contact.next,
                        moment,
-                       c.k_n};
+                       c.k_n,
+                       -dt * (dot(contact.friction, v) + moment * face.rate)};
   if constexpr (rolls) {
     const Rolls<Real> t{
         n,          spin, touch.twist, f_n * length, contact.next * length, c.k_n, g.rolling_radius,
@@ -111,7 +113,8 @@ template <bool rolls, class Real, class Yielding>
   return out;
 }
 
-// Forces of a pair on its particles.
+// Forces of a pair on its particles. The fourth number of the torques is the friction work, J,
+// which both particles get.
 struct PairForce {
   Vec4 force, turn_i, turn_j;  // N on i, the opposite on j; Nm, turn_j is subtracted on j
 };

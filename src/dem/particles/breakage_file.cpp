@@ -22,6 +22,10 @@ void Particles::Impl::save_breakage(io::File& file, const std::string& group) co
   if (comm.root()) labels = shapes.labels();
   file.write<std::int64_t>(at + "/labels", labels, 1,
                            {"-", "of each piece of the templates: its number in the whole stone"});
+  std::vector<std::int64_t> single;
+  if (comm.root()) single.assign(b.single.begin(), b.single.end());
+  file.write<std::int64_t>(at + "/single", single, 1,
+                           {"-", "numbers of templates that only one stone can have"});
   std::vector<double> cracks, cuts, breaks;
   for (const Crack& c : b.cracks)
     cracks.insert(cracks.end(),
@@ -42,17 +46,18 @@ void Particles::Impl::save_breakage(io::File& file, const std::string& group) co
                      {"-, -, -, -, kg/m3, N, m, J",
                       "pebbles that break off in the next window: stone, pebble, template, scale, "
                       "density, force, overlap, energy"});
-  file.write<double>(at + "/cuts", cuts, cut_columns,
-                     {"-, -, -, -, kg/m3, -, -, -, m, -, -, N, Pa, J",
-                      "stones that are cut in the next window: stone, kind (1: corner, 2: split), "
-                      "template, scale, density, normal, offset, sizes of both parts, force, "
-                      "stress, energy"});
+  file.write<double>(
+      at + "/cuts", cuts, cut_columns,
+      {"-, -, -, -, kg/m3, -, -, -, m, -, -, N, Pa, J",
+       "stones that are cut in the next window: stone, kind (1: corner, 2: split, 3: "
+       "wear), template, scale, density, normal, offset, sizes of both parts, force, "
+       "stress, energy"});
   file.write<double>(
       at + "/breaks", breaks, break_columns,
       {"s, -, -, -, m, m, m, m, kg, N, J, J, Pa, -",
        "parts that broke off: time, stone, fragment (-1: fines), pebble, x, y, z, diameter, mass, "
        "force, elastic energy of its contacts, kinetic energy lost, stress, kind (0: pebble of a "
-       "clump, 1: corner of a polyhedron, 2: part of a split stone)"});
+       "clump, 1: corner of a polyhedron, 2: part of a split stone, 3: dust)"});
   file.attribute(group, "breaking", static_cast<std::int64_t>(b.active));
   file.attribute(group, "break_ball", static_cast<std::int64_t>(b.ball));
   file.attribute(group, "break_next", b.next);
@@ -69,6 +74,8 @@ void Particles::Impl::save_breakage(io::File& file, const std::string& group) co
   file.attribute(group, "break_fines_mass", b.totals.fines_mass);
   file.attribute(group, "break_released", b.totals.released);
   file.attribute(group, "break_lost", b.totals.lost);
+  file.attribute(group, "break_wears", b.totals.wears);
+  file.attribute(group, "break_dust_mass", b.totals.dust_mass);
 }
 
 void Particles::Impl::load_shapes(const io::File& file, const std::string& group) {
@@ -123,6 +130,8 @@ void Particles::Impl::load_breakage(const io::File& file, const std::string& gro
                       c[12],
                       c[13]});
   }
+  const auto single = file.read_all<std::int64_t>(at + "/single");
+  b.single.insert(single.begin(), single.end());
   b.active = file.integer_attribute(group, "breaking") != 0;
   b.ball = static_cast<int>(file.integer_attribute(group, "break_ball"));
   b.next = file.integer_attribute(group, "break_next");
@@ -138,7 +147,9 @@ void Particles::Impl::load_breakage(const io::File& file, const std::string& gro
               file.number_attribute(group, "break_fragment_mass"),
               file.number_attribute(group, "break_fines_mass"),
               file.number_attribute(group, "break_released"),
-              file.number_attribute(group, "break_lost")};
+              file.number_attribute(group, "break_lost"),
+              file.integer_attribute(group, "break_wears"),
+              file.number_attribute(group, "break_dust_mass")};
 }
 
 }  // namespace trackbed::dem

@@ -42,10 +42,24 @@ void BreakageParameters::declare(input::Section& s) {
            "as the lightest stone or heavier, which do not shorten the sub-step.");
   s.integer("seed", seed, {.at_least = 0, .at_most = 1000000000}, "Seed of the strengths.");
   s.integer("check_steps", check_steps, {.at_least = 1, .at_most = 1000000},
-            "Number of sub-steps between two checks of stones with corners (splitting, cutting). "
+            "Number of sub-steps between two checks of stones with corners (splitting, cutting, "
+            "wear). "
             "Each check costs about as much as two sub-steps.");
   s.table("splitting", splitting, "Stones with corners (polyhedra, compounds) that split in two.");
   s.table("cutting", cutting, "Corners of polyhedra that are crushed under contacts.");
+  s.table("wear", wear, "Polyhedra that friction wears off.");
+}
+
+void WearParameters::declare(input::Section& s) {
+  s.number("coefficient", coefficient, {.at_least = 0, .usually_from = 1e-6, .usually_to = 1},
+           "Volume that a stone loses, times the hardness, divided by the work of friction at its "
+           "contacts: Archard's coefficient divided by the coefficient of friction. 0: no wear.");
+  s.number("hardness", hardness,
+           {.unit = "Pa", .above = 0, .usually_from = 1e8, .usually_to = 2e10},
+           "Hardness of the stones.");
+  s.number("step", step, {.above = 0, .at_most = 0.05},
+           "Ratio of the wear that is taken off at a time to the volume of the stone. Until then "
+           "the stone keeps its shape and mass.");
 }
 
 void SplittingParameters::declare(input::Section& s) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <unordered_map>
 #include <vector>
 
@@ -39,13 +40,13 @@ struct Crack {
   double energy;               // J, of its normal spring
 };
 
-// A stone with corners that is cut by the plane normal . x = offset, in its axes and at unit scale.
-// Members have 8 bytes, as above.
+// A stone with corners that is cut by the plane normal . x = offset, in its axes and at unit scale,
+// or that wears. Members have 8 bytes, as above.
 struct Cut {
   std::int64_t stone, kind;  // kind: a BreakKind
   std::int64_t shape;        // of the stone
   double scale, density;     // of the stone; kg/m^3
-  double normal[3], offset;  // unit length; m
+  double normal[3], offset;  // unit length; m, of wear the lost volume, m^3
   double size[2];            // of the parts below and above, over that which the cut leaves
   double force, stress;      // N, largest of a contact; Pa, that reached the strength
   double energy;             // J, of the contacts that are released
@@ -58,8 +59,8 @@ struct ContactLoad {
   double overlap, energy;  // m, J
 };
 
-// The parts below and above its plane; none: hardly any volume, or the corner that is cut off and
-// becomes fines.
+// The parts below and above its plane; none: hardly any volume, or the corner or dust that becomes
+// fines.
 std::array<std::optional<geom::StonePart>, 2> parts_of(const geom::Template& whole, const Cut& cut);
 
 // What a cut makes of a stone.
@@ -121,6 +122,7 @@ struct Breaking {
   std::int64_t pending = 0;
   std::vector<Break> breaks;  // by this rank
   BreakTotals totals;
+  std::set<std::int64_t> single;  // numbers of templates that only one stone can have
   std::int64_t waiting() const { return std::ssize(cracks) + std::ssize(cuts); }
   // Derived
   std::vector<double> strength;          // N, of each piece in the lists; infinite: it is not weak

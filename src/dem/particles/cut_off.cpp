@@ -10,6 +10,7 @@
 // fines together are those of the stone.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "dem/particles/impl.hpp"
 
@@ -31,7 +32,8 @@ void Particles::Impl::record(const Cut& cut, const Vec3& place, double lost,
   row.kind = static_cast<BreakKind>(cut.kind), row.stress = cut.stress;
   for (const auto& [fragment, mass] : parts) {
     if (!(mass > 0)) continue;
-    row.fragment = fragment, row.mass = mass, row.diameter = 2 * radius_of(mass / cut.density);
+    row.fragment = fragment, row.mass = mass;
+    row.diameter = row.kind == BreakKind::wear ? 0 : 2 * radius_of(mass / cut.density);
     breaking.breaks.push_back(row);
     row.released = row.lost = 0;
   }
@@ -59,16 +61,26 @@ double Particles::Impl::cut_off(const Cut& cut, std::unordered_map<Id, Changed>&
   const auto count = shapes.end(cut.shape) - shapes.begin(cut.shape);
   const std::int64_t splits =
       shapes.label(shapes.begin(cut.shape)) + (kind == BreakKind::split ? 1 : 0);
-  const auto add_shape = [&](std::size_t side) {
+  const auto add_shape = [&](std::size_t side) -> std::int64_t {
     geom::Template& stone = parts[side]->stone;
     // Costs ten times as much as the cut; without a corner a stone passes nearly the same hole.
     stone.sieve =
-        kind == BreakKind::cut ? shapes[cut.shape].sieve : geom::smallest_hole(stone.pieces);
-    return shapes.add(stone, std::vector<std::int64_t>(stone.pieces.size(), splits));
+        kind == BreakKind::split ? geom::smallest_hole(stone.pieces) : shapes[cut.shape].sieve;
+    if (kind == BreakKind::wear && breaking.single.contains(cut.shape)) {
+      shapes.replace(cut.shape, stone);
+      const auto shape = static_cast<std::size_t>(cut.shape);
+      if (shape < points_of_shape.size()) points_of_shape[shape].clear();
+      return cut.shape;
+    }
+    const std::int64_t shape =
+        shapes.add(stone, std::vector<std::int64_t>(stone.pieces.size(), splits));
+    breaking.single.insert(shape);
+    return shape;
   };
-  // The other corners of a stone that lost one are where they were, and so are its contacts.
-  const bool same = kind == BreakKind::cut && count == 1;
-  Changed changed{add_shape(main), std::vector<std::int64_t>(count, same ? 0 : -1)};
+  Changed changed{add_shape(main), std::vector<std::int64_t>(count, -1)};
+  // Pieces are where they were, and so are their contacts; a plane may have removed one of several.
+  if (kind == BreakKind::wear || (kind == BreakKind::cut && count == 1))
+    std::iota(changed.pieces.begin(), changed.pieces.end(), std::int64_t{0});
   NewPart rest{*parts[main], changed.shape, cut.size[main], -1}, piece{};
   if (keeps) piece = {*parts[other], add_shape(other), cut.size[other], breaking.next++};
   double lost = 0;
@@ -77,10 +89,14 @@ double Particles::Impl::cut_off(const Cut& cut, std::unordered_map<Id, Changed>&
     const Vec3 at = parts[other] ? parts[other]->centre : Vec3::Zero();
     const Vec3 place = state.x[*b].vec3() + quat(state.q[*b]) * Vec3(cut.scale * at);
     lost = divide(*b, rest, keeps ? &piece : nullptr, kind == BreakKind::split);
+    if (kind == BreakKind::wear) state.rubbed[*b] = 0;
     record(cut, place, lost, {{piece.id, keeps ? other_mass : 0}, {-1, fines}});
   }
   BreakTotals& totals = breaking.totals;
-  ++(kind == BreakKind::split ? totals.splits : totals.cuts);
+  ++(kind == BreakKind::split ? totals.splits
+     : kind == BreakKind::cut ? totals.cuts
+                              : totals.wears);
+  if (kind == BreakKind::wear) totals.dust_mass += fines;
   if (keeps) ++totals.fragments, totals.fragment_mass += other_mass;
   if (fines > 0) ++totals.fines, totals.fines_mass += fines;
   totals.released += cut.energy;

@@ -117,8 +117,13 @@ struct Particles::Impl {
   bool may_split(std::size_t b) const;
   std::vector<std::size_t> suspects(const ContactLoop& contacts) const;
   std::optional<Cut> cut_of(std::size_t b, const std::vector<ContactLoad>& loads) const;
+  Cut cut_of_stone(std::size_t b) const;
   void find_cuts(int steps_of_window);  // at its end
-  std::vector<Cut> gather_cuts();       // collective
+  void find_overloads();
+  void find_worn();
+  bool may_wear(std::size_t b) const;
+  void add_friction_work();
+  std::vector<Cut> gather_cuts();  // collective
   double cut_off(const Cut& cut, std::unordered_map<Id, Changed>& stones);
   void record(const Cut& cut, const Vec3& place, double lost,
               std::initializer_list<std::pair<Id, double>> parts);

@@ -224,6 +224,7 @@ std::uint64_t Particles::state_hash() const {
     h = hash_bytes(&s.l[b], 3 * sizeof(double), h);
     if (s.held[b] != 0) h = hash_bytes(&s.held[b], sizeof s.held[b], h);
     if (s.is_fragment(b)) h = hash_bytes(&s.part[b], sizeof s.part[b], h);
+    if (s.rubbed[b] != 0) h = hash_bytes(&s.rubbed[b], sizeof s.rubbed[b], h);
     sum += mix(h);
   }
   for (const std::vector<History>& records : {r.history(), r.waiting})

@@ -1,4 +1,5 @@
-// Stones with corners that are overloaded: they split, or a corner of theirs is crushed.
+// Stones with corners that are overloaded: they split, or a corner of theirs is crushed; and those
+// that have worn.
 //
 // Every few sub-steps the contacts of each stone give its mean stress (Weber 1966; Bagi 1996,
 // doi:10.1016/0167-6636(95)00044-5) and the pressure at its corners. The owner of a stone knows all
@@ -11,8 +12,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "dem/particles/contact_loop.hpp"
+#include "dem/shape/core.hpp"
 #include "trackbed/core/decompositions.hpp"
 #include "trackbed/core/hash.hpp"
 
@@ -48,8 +51,9 @@ double diameter_of(double volume) { return 2 * radius_of(volume); }
 
 // Between the largest force and the one that opposes it most, with the normal in whose direction
 // the stone is longest: so the section is small and the parts are compact. The choice of angles
-// only limits how exactly the longest direction is found. With one loaded place, the plane goes
-// through the centre of mass across the least compressed direction.
+// only limits how exactly the longest direction is found. With one loaded place, or if no force
+// opposes the largest one, the plane goes through the centre of mass across the least compressed
+// direction.
 Plane splitting_plane(const Template& stone, const std::vector<ContactLoad>& loads,
                       const Mat3& stress) {
   constexpr double least_distance = 0.2;  // of the diameter, between the two places
@@ -62,9 +66,9 @@ Plane splitting_plane(const Template& stone, const std::vector<ContactLoad>& loa
         return a.force.dot(largest->force) < b.force.dot(largest->force);
       });
   const Vec3 axis = against->arm - largest->arm;
-  if (axis.norm() < least_distance * diameter_of(stone.volume)) {
+  const bool opposed = against->force.dot(largest->force) < 0;
+  if (!opposed || axis.norm() < least_distance * diameter_of(stone.volume))
     return {symmetric_modes(stress).vectors.col(0), 0};
-  }
   const Vec3 first = axis.unitOrthogonal(), second = axis.normalized().cross(first);
   Plane found{first, 0};
   double longest = 0;
@@ -93,27 +97,39 @@ double free_size(const geom::StonePart& part, const Template& whole,
   return std::max(size, least);
 }
 
-// m^2, of the section of a rounded piece across `out` at this depth below its top, at least: that
-// of its core, or of the ball around its highest corner.
+// m^2, of the section of a ball at this depth.
 double rounded_area(double radius, double depth) {
   return depth < radius ? std::numbers::pi * depth * (2 * radius - depth)
                         : std::numbers::pi * radius * radius;
 }
-double area_at(const geom::Piece& piece, const Vec3& out, double top, double depth) {
-  return std::max(rounded_area(piece.radius, depth), section_area(piece.core, out, top - depth));
+
+// m, the smallest of a stone: at any of its corners the section is at least as large as with it.
+double least_rounding(const Template& stone) {
+  return std::min_element(
+             stone.pieces.begin(), stone.pieces.end(),
+             [](const geom::Piece& a, const geom::Piece& b) { return a.radius < b.radius; })
+      ->radius;
 }
 
-// m: depth at which it is this large, between 0 and `deepest`.
-double depth_of_area(const geom::Piece& piece, const Vec3& out, double top, double area,
+// m: depth below the top of a core, across `out`, at which its section, the face of a cut, is this
+// large; `deepest` if it is smaller there.
+double depth_of_area(const geom::Convex& core, const Vec3& out, double top, double area,
                      double deepest) {
   constexpr int halvings = 40;
   double low = 0, high = deepest;
-  if (area_at(piece, out, top, high) < area) return high;
+  if (section_area(core, out, top - high) < area) return high;
   for (int k = 0; k < halvings; ++k) {
     const double middle = (low + high) / 2;
-    (area_at(piece, out, top, middle) < area ? low : high) = middle;
+    (section_area(core, out, top - middle) < area ? low : high) = middle;
   }
   return high;
+}
+
+// Whether every piece has no more corners than the contact search can number.
+bool numbered(const geom::StonePart& part) {
+  return std::all_of(
+      part.stone.pieces.begin(), part.stone.pieces.end(),
+      [](const geom::Piece& piece) { return piece.core.vertices.size() <= most_corners; });
 }
 
 void set_plane(Cut& cut, const Plane& plane) {
@@ -121,11 +137,12 @@ void set_plane(Cut& cut, const Plane& plane) {
   cut.offset = plane.offset;
 }
 
-// Sets the sizes of both parts; their volumes then, or none if one side has hardly any.
+// Sets the sizes of both parts; their volumes then, or none if one side has hardly any or too many
+// corners.
 std::optional<std::array<double, 2>> set_sizes(Cut& cut, const Template& whole,
                                                const std::vector<ContactLoad>& loads) {
   const auto parts = parts_of(whole, cut);
-  if (!parts[0] || !parts[1]) return {};
+  if (!parts[0] || !parts[1] || !numbered(*parts[0]) || !numbered(*parts[1])) return {};
   std::array<double, 2> volumes{};
   for (std::size_t side = 0; side < 2; ++side) {
     cut.size[side] = free_size(*parts[side], whole, loads);
@@ -150,6 +167,8 @@ double cutting_strength(const BreakageParameters& p, Id stone) {
 
 std::array<std::optional<geom::StonePart>, 2> parts_of(const Template& whole, const Cut& cut) {
   const Vec3 normal(cut.normal[0], cut.normal[1], cut.normal[2]);
+  if (static_cast<BreakKind>(cut.kind) == BreakKind::wear)
+    return {geom::worn(whole, cut.offset), std::nullopt};
   if (static_cast<BreakKind>(cut.kind) == BreakKind::cut)
     return {part_below(whole, normal, cut.offset), std::nullopt};
   return {part_below(whole, normal, cut.offset), part_below(whole, -normal, -cut.offset)};
@@ -157,8 +176,9 @@ std::array<std::optional<geom::StonePart>, 2> parts_of(const Template& whole, co
 
 namespace {
 
-// The stone loses its corner at this contact, so that the new face bears the force, unless the rest
-// would be too light.
+// The stone loses its corner at this contact, so that the new face bears the force. It does not if
+// the rest would be too light or have too many corners, or if other pieces of the stone reach
+// farther than the contact: the plane would cut them, too.
 std::optional<Cut> cut_at(Cut cut, const BreakageParameters& p, const Template& whole,
                           const ContactLoad& load, double scale, double least_volume) {
   const double pressure = cutting_strength(p, cut.stone);
@@ -166,22 +186,35 @@ std::optional<Cut> cut_at(Cut cut, const BreakageParameters& p, const Template& 
   const double force = -load.force.dot(load.out), area = force / pressure / (scale * scale);
   const double least = p.cutting.least_depth * diameter;
   // Most contacts end here: sections are costly.
-  if (!(area > rounded_area(whole.pieces[0].radius, least))) return {};
+  if (!(area > rounded_area(least_rounding(whole), least))) return {};
   const geom::Piece* piece = nullptr;  // that reaches farthest
   for (const geom::Piece& each : whole.pieces)
     if (!piece || support_of(each.core, load.out) + each.radius >
                       support_of(piece->core, load.out) + piece->radius)
       piece = &each;
   const double top = support_of(piece->core, load.out);
-  if (area_at(*piece, load.out, top, least) >= area) return {};
+  if (load.arm.dot(load.out) + load.overlap + least < top + piece->radius) return {};
+  if (rounded_area(piece->radius, least) >= area ||
+      section_area(piece->core, load.out, top - least) >= area)
+    return {};
   const double depth =
-      depth_of_area(*piece, load.out, top, area, p.cutting.largest_depth * diameter);
+      depth_of_area(piece->core, load.out, top, area, p.cutting.largest_depth * diameter);
   set_plane(cut, {load.out, top + piece->radius - depth});
   cut.kind = static_cast<std::int64_t>(BreakKind::cut);
   const auto rest = parts_of(whole, cut)[0];
-  if (!rest || rest->stone.volume < least_volume) return {};
+  if (!rest || !numbered(*rest) || rest->stone.volume < least_volume) return {};
   cut.force = force, cut.stress = pressure, cut.energy = load.energy;
   return cut;
+}
+
+// Numbers of contacts, those of the largest normal forces first.
+std::vector<std::size_t> by_force(const std::vector<ContactLoad>& loads) {
+  std::vector<std::size_t> order(loads.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return loads[a].force.dot(loads[a].out) < loads[b].force.dot(loads[b].out);
+  });
+  return order;
 }
 
 // The stone splits between its two largest forces, unless no part would be heavy enough.
@@ -206,6 +239,19 @@ bool Particles::Impl::may_split(std::size_t b) const {
          shapes.core(shapes.begin(state.shape[b])).corners.size() > 1;
 }
 
+// Of a stone that is to be cut: what does not depend on how.
+Cut Particles::Impl::cut_of_stone(std::size_t b) const {
+  Cut cut{};
+  cut.stone = state.id[b], cut.shape = state.shape[b], cut.scale = state.scale_now(b);
+  cut.density = physics.materials[static_cast<std::size_t>(state.material[b])].density;
+  cut.size[0] = cut.size[1] = 1;
+  return cut;
+}
+
+bool Particles::Impl::may_wear(std::size_t b) const {
+  return may_split(b) && shapes[state.shape[b]].pieces.size() == 1;
+}
+
 // Where a stone breaks, by all of its contacts; none if it does not.
 std::optional<Cut> Particles::Impl::cut_of(std::size_t b,
                                            const std::vector<ContactLoad>& loads) const {
@@ -215,20 +261,17 @@ std::optional<Cut> Particles::Impl::cut_of(std::size_t b,
   Mat3 moment = Mat3::Zero();
   for (const ContactLoad& load : loads) moment -= scale * load.force * load.arm.transpose();
   const Mat3 stress = mean_stress(moment, volume);
-  const double density = physics.materials[static_cast<std::size_t>(state.material[b])].density;
-  const double least_volume = breaking.least_mass / (density * scale * scale * scale);
-  Cut cut{};
-  cut.stone = state.id[b], cut.shape = state.shape[b], cut.scale = scale, cut.density = density;
+  Cut cut = cut_of_stone(b);
+  const double least_volume = breaking.least_mass / (cut.density * scale * scale * scale);
   cut.stress = octahedral(stress);
-  cut.size[0] = cut.size[1] = 1;
   const std::int64_t splits = shapes.label(shapes.begin(state.shape[b]));
   std::optional<Cut> found;
   if (p.splitting.strength > 0 &&
       cut.stress > splitting_strength(p, cut.stone, splits, diameter_of(volume)))
     found = split_at(cut, whole, loads, stress, least_volume);
   if (p.cutting.strength > 0)
-    for (std::size_t k = 0; k < loads.size() && !found; ++k)
-      found = cut_at(cut, p, whole, loads[k], scale, least_volume);
+    for (const std::size_t k : by_force(loads))
+      if (!found) found = cut_at(cut, p, whole, loads[k], scale, least_volume);
   return found;
 }
 
@@ -262,7 +305,7 @@ std::vector<std::size_t> Particles::Impl::suspects(const ContactLoop& contacts) 
     const double least = p.cutting.least_depth * diameter_of(whole.volume);
     const bool cutting = p.cutting.strength > 0 &&
                          forces[b] > safe * cutting_strength(p, state.id[b]) * scale * scale *
-                                         rounded_area(whole.pieces[0].radius, least);
+                                         rounded_area(least_rounding(whole), least);
     if (splitting || cutting) found.push_back(b);
   }
   return found;
@@ -271,6 +314,43 @@ std::vector<std::size_t> Particles::Impl::suspects(const ContactLoop& contacts) 
 void Particles::Impl::find_cuts(int steps_of_window) {
   const BreakageParameters& p = breaking.parameters;
   if (!breaking.active || !p.of_corners() || steps % p.check_steps >= steps_of_window) return;
+  if (p.crushes()) find_overloads();
+  if (p.wears()) find_worn();
+}
+
+// Work of friction on stones that may wear, in a sub-step.
+void Particles::Impl::add_friction_work() {
+  if (!breaking.active || !breaking.parameters.wears()) return;
+  for (std::size_t b = 0; b < state.own; ++b) state.rubbed[b] += state.t[b].w;
+}
+
+// Stones whose wear has reached a step, unless they break now. A stone that is nearly a ball wears
+// no more.
+void Particles::Impl::find_worn() {
+  const WearParameters& p = breaking.parameters.wear;
+  const auto breaks = [&](Id id) {
+    return std::any_of(breaking.cuts.begin(), breaking.cuts.end(),
+                       [&](const Cut& cut) { return cut.stone == id; });
+  };
+  for (std::size_t b = 0; b < state.own; ++b) {
+    if (!may_wear(b)) {
+      state.rubbed[b] = 0;
+      continue;
+    }
+    const double lost = p.coefficient * state.rubbed[b] / p.hardness;
+    const Template& whole = shapes[state.shape[b]];
+    const double unit = std::pow(state.scale_now(b), 3);
+    if (!(lost > p.step * whole.volume * unit) || breaks(state.id[b])) continue;
+    Cut cut = cut_of_stone(b);
+    cut.kind = static_cast<std::int64_t>(BreakKind::wear), cut.offset = lost / unit;
+    if (parts_of(whole, cut)[0])
+      breaking.cuts.push_back(cut);
+    else
+      state.rubbed[b] = 0;
+  }
+}
+
+void Particles::Impl::find_overloads() {
   const ContactLoop contacts(*this);
   const std::vector<std::size_t> stones = suspects(contacts);
   if (stones.empty()) return;

@@ -187,6 +187,7 @@ void Particles::Impl::substep(const SubStep& step) {
   {
     const auto timing = scope(Phase::surface_forces);
     compute_surface_forces(step);
+    add_friction_work();
   }
   ++steps;
 }

@@ -259,6 +259,7 @@ double Particles::Impl::apply_patch_contact(Approach& a, std::span<const MeshCon
   const double remains = kept(patch.size, h.size);
   patch.xi.set(vec3(h.xi)), patch.turn = h.turn, patch.size = h.size, patch.ring = h.ring;
   load_patch(a, contacts, on_patch, w, f, step);
+  state.t[b].w += f.work;
   if (laws.any_rolls())
     add_rolling_resistance(
         a, patch,

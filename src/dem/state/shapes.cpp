@@ -1,7 +1,8 @@
-// Templates are added and never removed: particles refer to them by number, and a number never
-// changes its meaning.
+// Templates are added and never removed: particles refer to them by number. The template of a
+// single stone that wears is replaced.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "dem/state/state.hpp"
@@ -49,6 +50,23 @@ int Shapes::add(const Template& shape, std::vector<std::int64_t> labels) {
   templates_.push_back(shape);
   for (Piece& piece : templates_.back().pieces) piece.core = geom::derived_again(piece.core);
   return static_cast<int>(number);
+}
+
+void Shapes::replace(std::int64_t number, const Template& shape) {
+  Template& known = templates_[static_cast<std::size_t>(number)];
+  require(shape.pieces.size() == known.pieces.size(), "a worn stone has the pieces it had");
+  for (std::size_t k = 0; k < shape.pieces.size(); ++k) {
+    const std::size_t piece = begin(number) + k;
+    Core core = core_of(shape.pieces[k]);
+    require(core.corners.size() == cores_[piece].corners.size(),
+            "a worn stone has the corners it had");
+    pieces_[piece] = ball_around(core);
+    std::copy(core.corners.begin(), core.corners.end(), corners_.begin() + first_corner_[piece]);
+    cores_[piece] = std::move(core);
+  }
+  bound_[static_cast<std::size_t>(number)] = geom::bounding_radius(shape);
+  known = shape;
+  for (Piece& piece : known.pieces) piece.core = geom::derived_again(piece.core);
 }
 
 // Volume grows with scale^3; in a plane model the template has an area, which grows with scale^2.

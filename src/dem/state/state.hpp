@@ -26,7 +26,8 @@ struct State {
   std::vector<Vec4> v;             // m/s; w: mass
   std::vector<Vec4> l;  // kg m^2/s, angular momentum in space axes; w: 1 over the moment about y
   std::vector<Vec4> f;  // N, from contacts, at the time of x
-  std::vector<Vec4> t;  // Nm
+  std::vector<Vec4> t;  // Nm; w: J, friction work of this sub-step, of pieces with corners
+  std::vector<double> rubbed;  // J, friction work of which the wear is not yet taken off
   // Derived
   std::vector<Vec4> w;        // rad/s, spin in space axes at the time of v in the force loop
   std::vector<Vec4> inertia;  // kg m^2, principal moments
@@ -84,6 +85,9 @@ constexpr void visit_all(S& s, Visit&& visit) {
   visit(Quantity<3, nothing>{"torque", "Nm",
                              "sum of contact torques about the centre of mass at this time"},
         s.t);
+  visit(Quantity<1, nothing>{"friction_work", "J",
+                             "done by friction on stones that wear, whose wear is still to come"},
+        s.rubbed);
   visit(Quantity<3, each_step, Storage::derived>{"spin", "rad/s", "in space axes"}, s.w);
   visit(Quantity<3, nothing, Storage::derived>{"inertia", "kg m2", "principal moments"}, s.inertia);
 }
@@ -106,6 +110,8 @@ class Shapes {
  public:
   // `labels`: of the pieces, their numbers in the unbroken stone; none: their own numbers.
   int add(const Template& shape, std::vector<std::int64_t> labels = {});
+  // By one with as many pieces and corners, for all particles that have it.
+  void replace(std::int64_t number, const Template& shape);
   std::size_t size() const { return templates_.size(); }
   const std::vector<Template>& templates() const { return templates_; }
   const Template& operator[](std::int64_t shape) const {

@@ -1,6 +1,9 @@
-// Stones and cores cut by a plane.
+// Stones and cores cut by planes.
 #include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
 
 #include "trackbed/geom/stone.hpp"
@@ -34,6 +37,30 @@ std::vector<Vec3> crossings(const Convex& core, const Vec3& normal, double offse
 // Of the volume of the whole core and of its length across the plane: less is a sliver whose faces
 // have no reliable normals.
 constexpr double least_part = 1e-3;
+
+// Its core shrunk by this part towards the centroid, with all its corners and faces; the rounding
+// grows by as much as the nearest face recedes.
+Piece rounder(const Piece& piece, double part) {
+  const Vec3 middle = piece_solid({piece.core, 0}).centre;
+  Piece found = piece;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (Vec3& v : found.core.vertices) v -= part * (v - middle);
+  for (Face& face : found.core.faces) {
+    const double distance = face.offset - face.normal.dot(middle);
+    face.offset -= part * distance;
+    nearest = std::min(nearest, distance);
+  }
+  found.radius += part * nearest;
+  return found;
+}
+
+void require_faces(const Template& stone) {
+  for (const Piece& piece : stone.pieces)
+    if (piece.core.vertices.size() < 4)
+      throw std::invalid_argument("only stones of polyhedra can be cut or worn");
+}
+
+constexpr int cells = 48;  // of unions: volume to 1e-3 or better
 
 }  // namespace
 
@@ -83,10 +110,9 @@ double section_area(const Convex& core, const Vec3& normal, double offset) {
 }
 
 std::optional<StonePart> part_below(const Template& whole, const Vec3& normal, double offset) {
+  require_faces(whole);
   std::vector<Piece> pieces;
   for (const Piece& piece : whole.pieces) {
-    if (piece.core.vertices.size() < 4)
-      throw std::invalid_argument("only stones of polyhedra can be cut");
     const double plane = offset - piece.radius;
     if (support_of(piece.core, normal) <= plane) {
       pieces.push_back(piece);
@@ -99,9 +125,31 @@ std::optional<StonePart> part_below(const Template& whole, const Vec3& normal, d
       pieces.push_back(std::move(part));
   }
   if (pieces.empty()) return {};
-  constexpr int cells = 48;  // volume to 1e-3 or better
   const Solid solid = pieces.size() == 1 ? piece_solid(pieces[0]) : union_solid(pieces, cells);
   return StonePart{template_of(pieces, solid, 0), solid.centre, solid.axes};
+}
+
+std::optional<StonePart> worn(const Template& whole, double volume) {
+  require_faces(whole);
+  if (whole.pieces.size() != 1) throw std::invalid_argument("only stones of one piece wear");
+  const Piece& piece = whole.pieces[0];
+  const double before = piece_solid(piece).volume;
+  const auto missing = [&](double part) {  // m^3, still to be taken off
+    return volume - (before - piece_solid(rounder(piece, part)).volume);
+  };
+  constexpr double most = 0.9;  // less of a core is too small for reliable normals
+  if (!(missing(most) < 0)) return {};
+  constexpr int bits = 30;  // of `part`; the volume is set below
+  std::uintmax_t steps = 60;
+  const double part =
+      boost::math::tools::toms748_solve(missing, 0.0, most,
+                                        boost::math::tools::eps_tolerance<double>(bits), steps)
+          .first;
+  const Piece rest = rounder(piece, part);
+  const Solid solid = piece_solid(rest);
+  StonePart found{template_of({rest}, solid, whole.sieve), solid.centre, solid.axes};
+  found.stone.volume = whole.volume - volume;
+  return found;
 }
 
 }  // namespace trackbed::geom

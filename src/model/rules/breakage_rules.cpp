@@ -30,14 +30,59 @@ bool may_be(const Model& model, bool (*of_kind)(bed::StoneKind)) {
   });
 }
 
+// Whether the deck itself names a stone with corners.
 bool any_corners(const Model& model) {
+  using bed::ShapeKind;
+  const auto& placed = model.placed.stones;
+  if (model.is_placed())
+    return std::any_of(placed.begin(), placed.end(), [](const bed::StoneParameters& stone) {
+      return stone.shape == ShapeKind::block || stone.shape == ShapeKind::hull ||
+             stone.shape == ShapeKind::polyhedron || stone.shape == ShapeKind::compound ||
+             stone.shape == ShapeKind::mesh;
+    });
   const auto layers = layers_of(model);
-  return !model.is_placed() && std::any_of(layers.begin(), layers.end(), [](const auto& layer) {
-    return of_corners(layer.stone);
-  });
+  return std::any_of(layers.begin(), layers.end(),
+                     [](const auto& layer) { return of_corners(layer.stone); });
+}
+
+bool any_compounds(const Model& model) {
+  const auto& placed = model.placed.stones;
+  if (model.is_placed())
+    return std::any_of(placed.begin(), placed.end(), [](const bed::StoneParameters& stone) {
+      return stone.shape == bed::ShapeKind::compound;
+    });
+  const auto layers = layers_of(model);
+  return std::any_of(layers.begin(), layers.end(),
+                     [](const auto& layer) { return layer.stone == bed::StoneKind::compound; });
 }
 
 bool is_clump(bed::StoneKind kind) { return kind == bed::StoneKind::clump; }
+
+// Whether parameters of pebbles alone have their defaults.
+bool no_pebbles_given(const dem::BreakageParameters& p) {
+  dem::BreakageParameters defaults;
+  defaults.material = p.material, defaults.from = p.from, defaults.seed = p.seed;
+  defaults.least_size = p.least_size, defaults.check_steps = p.check_steps;
+  defaults.splitting = p.splitting, defaults.cutting = p.cutting, defaults.wear = p.wear;
+  return p == defaults;
+}
+
+// Parameters of a kind of breakage that has no strength.
+void declare_idle(const dem::BreakageParameters& p, input::Section& s) {
+  const input::About idle{.severity = input::Severity::warning, .reads = {"breakage"}};
+  s.rule("breakage.strength", p.of_clumps() || no_pebbles_given(p),
+         "no pebbles break off, and the parameters of pebbles (diameter, size_exponent, "
+         "weibull, threshold, birth_size, growth_steps, growth_overlap) have no effect",
+         idle);
+  s.rule("breakage.splitting.strength",
+         p.splitting.strength > 0 || p.splitting == dem::SplittingParameters{},
+         "no stone splits, and the other parameters of [breakage.splitting] have no effect", idle);
+  s.rule("breakage.cutting.strength",
+         p.cutting.strength > 0 || p.cutting == dem::CuttingParameters{},
+         "no corner is cut, and the other parameters of [breakage.cutting] have no effect", idle);
+  s.rule("breakage.wear.coefficient", p.wears() || p.wear == dem::WearParameters{},
+         "no stone wears, and the other parameters of [breakage.wear] have no effect", idle);
+}
 
 }  // namespace
 
@@ -55,13 +100,11 @@ std::size_t Model::breaks_from() const {
 void declare_breakage(const Model& model, input::Section& s) {
   const dem::BreakageParameters& p = model.breakage;
   if (!p.any()) {
-    const auto text = [](dem::BreakageParameters of) {
-      return input::effective([&of](input::Section& inner) { of.declare(inner); });
-    };
-    return s.rule("breakage.strength", text(p) == text({}),
-                  "is 0, as are those of splitting and cutting: nothing breaks, and the other "
-                  "parameters of [breakage] have no effect",
-                  {.severity = input::Severity::warning, .reads = {"breakage"}});
+    return s.rule(
+        "breakage.strength", p == dem::BreakageParameters{},
+        "is 0, as are those of splitting, cutting and wear: nothing breaks, and the other "
+        "parameters of [breakage] have no effect",
+        {.severity = input::Severity::warning, .reads = {"breakage"}});
   }
   const input::About about{
       .reads = {"breakage", "dimension", "bed", "stone", "material", "start", "stage"}};
@@ -69,17 +112,22 @@ void declare_breakage(const Model& model, input::Section& s) {
          "breakage exists in space only, not in a plane model (dimension)", about);
   s.rule("breakage.strength", !p.of_clumps() || !any_corners(model),
          "must be 0 with stones that have corners: only pebbles of clumps break off (stone = "
-         "\"clump\"); give breakage.splitting.strength or breakage.cutting.strength",
+         "\"clump\"); give breakage.splitting.strength, breakage.cutting.strength or "
+         "breakage.wear.coefficient",
          about);
+  s.rule("breakage.wear.coefficient", !p.wears() || !any_compounds(model),
+         "must be 0 with compounds: only stones of one polyhedron wear", about);
   model.physics.rule_of_name(s, "breakage.material", p.material);
   const bool known = model.material(p.material) >= 0;
   const input::About unusual{.severity = input::Severity::warning, .reads = about.reads};
   s.rule("breakage.strength", !p.of_clumps() || !known || may_be(model, is_clump),
          fmt::format("there are no clumps of \"{}\": no pebbles break off", p.material), unusual);
   s.rule("breakage.splitting.strength", !p.of_corners() || !known || may_be(model, of_corners),
-         fmt::format("there are no polyhedra or compounds of \"{}\": none splits or loses corners",
-                     p.material),
+         fmt::format(
+             "there are no polyhedra or compounds of \"{}\": none splits, loses corners or wears",
+             p.material),
          unusual);
+  declare_idle(p, s);
   const std::size_t from = model.breaks_from();
   s.rule("breakage.from", p.from.empty() || from < model.stages.size(),
          fmt::format("there is no stage \"{}\"", p.from), about);

@@ -206,8 +206,10 @@ void put_figures(const FigureInput& run, Json& json) {
                         {"fines", broken.fines},
                         {"cuts", broken.cuts},
                         {"splits", broken.splits},
+                        {"wears", broken.wears},
                         {"fragment_mass_kg", broken.fragment_mass},
                         {"fines_mass_kg", broken.fines_mass},
+                        {"dust_mass_kg", broken.dust_mass},
                         {"released_j", broken.released},
                         {"kinetic_lost_j", broken.lost}};
   }

@@ -117,6 +117,11 @@ void SeatLoadParameters::declare(input::Section& s) {
   s.rule(
       "wheel_load", wheel_load == 0 || !is_table(),
       "has no effect on a table of seat loads; remove it, or give kind = \"winkler\" or \"power\"");
+  s.rule("wheel_load",
+         wheel_load > 0 || (wheel_diameter == 0 && seat_share == SeatLoadParameters{}.seat_share &&
+                            slice == SeatLoadParameters{}.slice),
+         "wheel_diameter, seat_share and slice have no effect without a wheel load",
+         {.severity = input::Severity::warning});
   s.rule("gauge", gauge == 0 || kind == SeatLoadKind::seats,
          "needs kind = \"seats\", whose table has columns of both seats");
   s.rule("file", !is_table() || !file.empty(), "is needed for kind = \"table\" and \"seats\"");

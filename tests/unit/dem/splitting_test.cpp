@@ -218,7 +218,9 @@ TEST(Splitting, OfACuboidBeginsAtItsStrength) {
 // A corner on a plate is cut until its face bears the force, deeper and deeper.
 TEST(Cutting, GivesACornerTheAreaThatItsForceNeeds) {
   geom::Template stone = geom::template_of({{cuboid(Vec3::Constant(0.03)), 0.0015}});
-  const Quat onto_corner = Quat::FromTwoVectors(Vec3::Ones(), Vec3::UnitZ());
+  // Principal axes of a cube may have any direction.
+  const Vec3 corner = stone.pieces[0].core.vertices[0];
+  const Quat onto_corner = Quat::FromTwoVectors(corner, Vec3::UnitZ());
   for (geom::Piece& piece : stone.pieces)
     piece.core = geom::moved(piece.core, onto_corner, Vec3::Zero());
   const dem::BreakageParameters p = weak(0, 30e6);
@@ -234,6 +236,14 @@ TEST(Cutting, GivesACornerTheAreaThatItsForceNeeds) {
     released += cut.released;
   }
   EXPECT_EQ(plates.particles.broken().released, released);
+  // The section of a cube's corner at the distance t has the area sqrt(27)/2 t^2.
+  const dem::Break& first = plates.particles.breaks().front();
+  const double depth = std::sqrt(2 * first.force / (pressure * std::sqrt(27.0)));
+  const Vec3 up = Vec3::UnitZ();
+  const auto rest = geom::part_below(stone, up, geom::support_of(stone, up) - depth);
+  ASSERT_TRUE(rest);
+  EXPECT_LT(depth, p.cutting.largest_depth * std::cbrt(stone.volume / ball(1)));
+  EXPECT_NEAR(first.mass, density * (stone.volume - rest->stone.volume), 1e-9 * before);
   const dem::BreakTotals broken = plates.particles.broken();
   EXPECT_NEAR(plates.particles.totals().mass + broken.fines_mass, before, 1e-13 * before);
   EXPECT_GT(broken.fines_mass, 0);
@@ -371,9 +381,11 @@ TEST(SplittingRanks, DoNotDependOnListsAndRanks) {
 TEST(SplittingRanks, ContinueFromACheckpoint) {
   const par::Comm world = par::Comm::world();
   const std::string path = "splitting_" + std::to_string(world.size()) + ".h5";
-  Heap whole(world), second(world);
-  whole.pour(world);
-  for (int k = 0; k < 200 && whole.particles.broken().splits < 3; ++k) whole.run(1);
+  Heap probe(world), whole(world), second(world);
+  probe.pour(world), whole.pour(world);
+  int windows = 0;
+  for (; windows < 200 && probe.particles.broken().splits < 3; ++windows) probe.run(1);
+  whole.run(windows - 1);  // stones that split in the next window are in the checkpoint
   {
     io::File file(world, path, io::Mode::create);
     whole.particles.save(file, "p");
@@ -385,6 +397,9 @@ TEST(SplittingRanks, ContinueFromACheckpoint) {
   second.connect();
   const dem::BreakTotals then = whole.particles.broken();
   EXPECT_GT(then.splits, 0);
+  second.run(1), whole.run(1);
+  EXPECT_EQ(second.particles.broken().splits, probe.particles.broken().splits);
+  EXPECT_GT(probe.particles.broken().splits, then.splits);
   second.run(100), whole.run(100);
   EXPECT_EQ(second.particles.state_hash(), whole.particles.state_hash());
   EXPECT_EQ(second.particles.broken().splits, whole.particles.broken().splits);
