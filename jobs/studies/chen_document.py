@@ -196,7 +196,7 @@ def part_missing():
 The published loads of 20 t and speeds of 60, 90 and 150 km/h, and the growth of settlement,
 fragments and speeds of stones with the speed; five carriages; the stress path of a single moving
 load; the test rig at 300 km/h; sub-ballast of 10 mm; fragments instead of fines; a pressure kept by
-a servo; a half section with a shoulder; polyhedra instead of clumps; more than two packings.
+a servo; a half section with a shoulder; polyhedra instead of clumps.
 """
 
 
