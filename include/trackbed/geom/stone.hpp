@@ -164,6 +164,17 @@ Remainder without_ball(const Template& whole, std::size_t which);
 // than all else. Throws std::invalid_argument for balls.
 std::optional<StonePart> part_below(const Template& whole, const Vec3& normal, double offset);
 
+// A plane normal . x = offset (m at unit scale, in the axes of the stone) between its pieces, with
+// some on either side and none on both.
+struct Joint {
+  Vec3 normal;
+  double offset;
+};
+// The joints of a compound that contain a face of a piece, in the order of its faces, each once. A
+// piece may reach beyond a joint by what `part_below` neglects, a thousandth of its length across
+// it. None for a single piece.
+std::vector<Joint> joints_of(const Template& stone);
+
 // The stone without this volume (m^3), exactly: the core shrinks towards its centroid, and the
 // rounding grows by as much as the nearest face recedes. So this face stays where it is, others
 // recede the more, the farther they are from the centroid, and corners most; no part of the stone

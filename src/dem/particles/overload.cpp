@@ -36,7 +36,8 @@ double weibull_of(const BreakageParameters& p, Draw draw, std::int64_t key, doub
   return weibull_factor(seed, static_cast<std::uint64_t>(key), modulus);
 }
 
-// Pa, from the sum of force x arm over the contacts of a stone (Nm) and its volume (m^3).
+// Pa, compression positive, from minus the sum of force x arm over the contacts of a stone (Nm) and
+// its volume (m^3).
 Mat3 mean_stress(const Mat3& moment, double volume) {
   return (moment + moment.transpose()) / (2 * volume);
 }
@@ -79,6 +80,18 @@ Plane splitting_plane(const Template& stone, const std::vector<ContactLoad>& loa
     if (length > longest) longest = length, found.normal = normal;
   }
   found.offset = found.normal.dot(largest->arm);
+  return found;
+}
+
+// The joint of a compound across which there is least compression, if this is less than the mean of
+// the principal stresses.
+std::optional<Plane> least_compressed_joint(const Template& stone, const Mat3& stress) {
+  std::optional<Plane> found;
+  double least = stress.trace() / 3;  // compression is positive
+  for (const geom::Joint& joint : geom::joints_of(stone)) {
+    const double across = joint.normal.dot(stress * joint.normal);
+    if (across < least) least = across, found = Plane{joint.normal, joint.offset};
+  }
   return found;
 }
 
@@ -217,16 +230,19 @@ std::vector<std::size_t> by_force(const std::vector<ContactLoad>& loads) {
   return order;
 }
 
-// The stone splits between its two largest forces, unless no part would be heavy enough.
+// The stone splits at a joint or between its two largest forces, unless no part would be heavy
+// enough.
 std::optional<Cut> split_at(Cut cut, const Template& whole, const std::vector<ContactLoad>& loads,
                             const Mat3& stress, double least_volume) {
   cut.kind = static_cast<std::int64_t>(BreakKind::split);
   cut.force = cut.energy = 0;
   for (const ContactLoad& load : loads)
     cut.force = std::max(cut.force, load.force.norm()), cut.energy += load.energy;
+  std::optional<std::array<double, 2>> volumes;
+  if (const auto joint = least_compressed_joint(whole, stress))
+    set_plane(cut, *joint), volumes = set_sizes(cut, whole, loads);
   const Plane plane = splitting_plane(whole, loads, stress);
-  set_plane(cut, plane);
-  auto volumes = set_sizes(cut, whole, loads);
+  if (!volumes) set_plane(cut, plane), volumes = set_sizes(cut, whole, loads);
   if (!volumes) set_plane(cut, {plane.normal, 0}), volumes = set_sizes(cut, whole, loads);
   if (!volumes || std::max((*volumes)[0], (*volumes)[1]) < least_volume) return {};
   return cut;

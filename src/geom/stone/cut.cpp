@@ -129,6 +129,30 @@ std::optional<StonePart> part_below(const Template& whole, const Vec3& normal, d
   return StonePart{template_of(pieces, solid, 0), solid.centre, solid.axes};
 }
 
+std::vector<Joint> joints_of(const Template& stone) {
+  std::vector<Joint> found;
+  for (const Piece& piece : stone.pieces)
+    for (const Face& face : piece.core.faces) {
+      bool below = false, above = false, cut = false;
+      for (const Piece& other : stone.pieces) {
+        const double high = support_of(other.core, face.normal) - face.offset;
+        const double low = -support_of(other.core, -face.normal) - face.offset;
+        const double allowed = least_part * (high - low);
+        const bool under = high <= allowed, over = low >= -allowed;
+        below = below || under, above = above || over, cut = cut || (!under && !over);
+      }
+      if (!below || !above || cut) continue;
+      const bool known = std::any_of(found.begin(), found.end(), [&](const Joint& joint) {
+        const double side = joint.normal.dot(face.normal);
+        return std::abs(side) > 1 - on_plane &&
+               std::abs(joint.offset - std::copysign(face.offset, side * face.offset)) <=
+                   near_plane(piece.core, face.normal);
+      });
+      if (!known) found.push_back({face.normal, face.offset});
+    }
+  return found;
+}
+
 std::optional<StonePart> worn(const Template& whole, double volume) {
   require_faces(whole);
   if (whole.pieces.size() != 1) throw std::invalid_argument("only stones of one piece wear");

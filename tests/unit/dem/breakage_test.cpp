@@ -198,6 +198,46 @@ TEST(CornerBreakage, KeepsAngularMomentumInTheFrameOfTheStone) {
   EXPECT_LT((c.angular_momentum() - before).norm(), moved);
 }
 
+// Clumps in disorder in a periodic cube whose corners break at any touch.
+TEST(CornerBreakage, TenThousandEventsLoseNoMass) {
+  if (par::Comm::world().size() > 1) GTEST_SKIP() << "the same on each rank";
+  constexpr int n = 13;
+  constexpr double spacing = 0.05;
+  dem::Domain cube = test::box(Vec3::Zero(), Vec3::Constant(n * spacing));
+  cube.periodic = {true, true, true};
+  dem::Particles particles(par::Comm::self(), test::one_material(elastic(), density),
+                           {.largest_overlap = 1, .gravity = 0}, cube);
+  dem::BreakageParameters p = weak(10);
+  p.least_size = 8e-3;  // some are fines
+  particles.set_breakage(p);
+  particles.add_template(cornered());
+  auto all = test::lattice({n, n, n}, spacing, 0.02, 1);
+  for (dem::NewParticle& stone : all) stone.velocity *= 10;
+  particles.add(all);
+  particles.set_surfaces({});
+  particles.let_break(true);
+  const dem::Totals before = particles.totals();
+  const auto events = [&] {
+    const dem::BreakTotals broken = particles.broken();
+    return broken.fragments + broken.fines;
+  };
+  for (int w = 0; w < 5000 && events() < 10000; ++w) {
+    particles.advance(8 * dt, 8);
+    ASSERT_EQ(particles.trouble(), "");
+  }
+  const dem::BreakTotals broken = particles.broken();
+  EXPECT_GE(events(), 10000);
+  EXPECT_GT(broken.fines, 100);
+  const dem::Totals after = particles.totals();
+  // Rounding of as many sums as there are events.
+  EXPECT_NEAR(after.mass + broken.fines_mass, before.mass, 1e-12 * before.mass);
+  EXPECT_EQ(after.particles, before.particles + broken.fragments);
+  double mass = 0;
+  for (const dem::Break& each : particles.breaks()) mass += each.mass;
+  EXPECT_EQ(static_cast<std::int64_t>(particles.breaks().size()), events());
+  EXPECT_NEAR(mass, broken.fragment_mass + broken.fines_mass, 1e-11 * mass);
+}
+
 TEST(Remainder, OfTwoBallsIsTheOther) {
   const std::vector<geom::Piece> balls{geom::ball(Vec3::Zero(), 1),
                                        geom::ball(Vec3(0.9, 0.3, -0.2), 0.5)};

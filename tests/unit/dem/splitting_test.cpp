@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "support/scene.hpp"
+#include "support/stone_pairs.hpp"
 #include "trackbed/geom/stone.hpp"
 
 namespace trackbed::splitting_test {
@@ -15,14 +16,6 @@ namespace {
 
 constexpr double dt = 2e-6;  // s
 constexpr double density = 2500;
-
-geom::Convex cuboid(const Vec3& sides) {
-  std::vector<Vec3> corners;
-  for (int k = 0; k < 8; ++k)
-    corners.emplace_back((k & 1 ? 0.5 : -0.5) * sides.x(), (k & 2 ? 0.5 : -0.5) * sides.y(),
-                         (k & 4 ? 0.5 : -0.5) * sides.z());
-  return geom::convex_hull(corners);
-}
 
 dem::Template polyhedron(std::uint64_t seed) {
   return geom::template_of({geom::rounded_stone({.vertices = 16}, 0.05, seed)});
@@ -73,9 +66,10 @@ TEST(SplittingStrength, FollowsWeibullsLawAndTheSizeEffect) {
 // sides a - 2r, a - 2r and a/2 - 2r.
 TEST(PartBelow, OfARoundedCubeIsARoundedBox) {
   constexpr double a = 1, r = 0.1;
-  const geom::Template cube = geom::template_of({{cuboid(Vec3::Constant(a - 2 * r)), r}});
+  const geom::Template cube =
+      geom::template_of({{test::cuboid_core(0.5 * Vec3::Constant(a - 2 * r)), r}});
   const geom::Template half =
-      geom::template_of({{cuboid(Vec3(a - 2 * r, a - 2 * r, a / 2 - 2 * r)), r}});
+      geom::template_of({{test::cuboid_core(0.5 * Vec3(a - 2 * r, a - 2 * r, a / 2 - 2 * r)), r}});
   const Vec3 z = Vec3::UnitZ();
   const auto below = geom::part_below(cube, z, 0), above = geom::part_below(cube, -z, 0);
   ASSERT_TRUE(below && above);
@@ -140,7 +134,7 @@ TEST(PartBelow, AcceptsAnyPlane) {
 }
 
 TEST(SectionArea, OfACubeIsThatOfItsSquareAndHexagon) {
-  const geom::Convex cube = cuboid(Vec3::Ones());
+  const geom::Convex cube = test::cuboid_core(0.5 * Vec3::Ones());
   EXPECT_NEAR(geom::section_area(cube, Vec3::UnitX(), 0.2), 1, 1e-14);
   const Vec3 diagonal = Vec3::Ones().normalized();
   EXPECT_NEAR(geom::section_area(cube, diagonal, 0), 3 * std::sqrt(3.0) / 4, 1e-14);
@@ -158,8 +152,8 @@ struct Plates {
                   test::box(Vec3::Constant(-0.2), Vec3::Constant(0.2))) {
     particles.set_breakage(p);
     particles.add_template(stone);
-    const int plate =
-        particles.add_template(geom::template_of({{cuboid(Vec3(0.1, 0.1, 0.02)), 0.005}}));
+    const int plate = particles.add_template(
+        geom::template_of({{test::cuboid_core(0.5 * Vec3(0.1, 0.1, 0.02)), 0.005}}));
     std::vector<dem::NewParticle> bodies(3);
     const double up = scale * geom::support_of(stone, Vec3::UnitZ());
     const double down = scale * geom::support_of(stone, -Vec3::UnitZ());
@@ -184,8 +178,10 @@ struct Plates {
 // stress is sqrt(2)/3 F/A.
 TEST(Splitting, OfACuboidBeginsAtItsStrength) {
   constexpr double side = 0.03, height = 0.04, rounding = 0.002;
-  const geom::Template stone = geom::template_of(
-      {{cuboid(Vec3(side - 2 * rounding, side - 2 * rounding, height - 2 * rounding)), rounding}});
+  const geom::Template stone =
+      geom::template_of({{test::cuboid_core(0.5 * Vec3(side - 2 * rounding, side - 2 * rounding,
+                                                       height - 2 * rounding)),
+                          rounding}});
   const dem::BreakageParameters p = weak(10e6);
   Plates plates(stone, 1, p);
   const double diameter = std::cbrt(stone.volume / ball(1));
@@ -215,9 +211,58 @@ TEST(Splitting, OfACuboidBeginsAtItsStrength) {
   EXPECT_EQ(plates.particles.size(), 4U);
 }
 
+// Two cuboids of a third and two thirds of the length, side by side between plates, part at their
+// joint; on top of each other they do not, since the joint is compressed.
+TEST(Splitting, OfACompoundIsAtItsJointUnlessThisIsCompressedMost) {
+  constexpr double rounding = 0.001;
+  for (const bool pressed : {false, true}) {
+    const auto piece = [&](double from, double to) {
+      geom::Convex core = test::cuboid_core(
+          0.5 * (pressed ? Vec3(0.03, 0.028, to - from) : Vec3(to - from, 0.03, 0.028)));
+      for (Vec3& v : core.vertices) v[pressed ? 2 : 0] += (from + to) / 2;
+      return geom::Piece{geom::convex_hull(core.vertices), rounding};
+    };
+    dem::Template stone;  // with the axes of its edges, about its centre of mass
+    stone.pieces = {piece(-0.018, -0.006), piece(-0.006, 0.018)};
+    stone.volume = 3.4e-5, stone.gyration = Vec3::Constant(2e-4), stone.sieve = 0.03;
+    const auto joints = geom::joints_of(stone);
+    ASSERT_EQ(joints.size(), 1U);
+    for (const geom::Joint& joint : joints) {
+      EXPECT_NEAR(std::abs(joint.normal[pressed ? 2 : 0]), 1, 1e-12);
+      EXPECT_NEAR(joint.offset * joint.normal[pressed ? 2 : 0], -0.006, 1e-12);
+    }
+    Plates plates(stone, 1, weak(10e6));
+    for (int k = 0; k < 3000 && plates.particles.broken().splits == 0; ++k) plates.step();
+    ASSERT_EQ(plates.particles.broken().splits, 1);
+    // A joint leaves each part one of the pieces; any other plane cuts both. Two plates.
+    EXPECT_EQ(plates.particles.totals().particles, 4);
+    EXPECT_EQ(plates.particles.totals().pieces, pressed ? 6 : 4);
+  }
+}
+
+TEST(Joints, AreNotThereInOnePieceOrThroughAThird) {
+  const geom::Convex core = geom::rounded_stone({.vertices = 16}, 0.05, 7).core;
+  EXPECT_TRUE(geom::joints_of(polyhedron(7)).empty());
+  for (const int parts : {2, 3, 4}) {
+    std::vector<geom::Piece> pieces;
+    for (const geom::Convex& slice : geom::sliced(core, parts)) pieces.push_back({slice, 0.05});
+    const geom::Template stone = geom::template_of(pieces);
+    const auto joints = geom::joints_of(stone);
+    EXPECT_GE(joints.size(), 1U) << parts;
+    EXPECT_LT(joints.size(), static_cast<std::size_t>(parts)) << parts;
+    for (const geom::Joint& joint : joints) {
+      const auto below = geom::part_below(stone, joint.normal, joint.offset),
+                 above = geom::part_below(stone, -joint.normal, -joint.offset);
+      ASSERT_TRUE(below && above);
+      EXPECT_EQ(below->stone.pieces.size() + above->stone.pieces.size(), pieces.size());
+    }
+  }
+}
+
 // A corner on a plate is cut until its face bears the force, deeper and deeper.
 TEST(Cutting, GivesACornerTheAreaThatItsForceNeeds) {
-  geom::Template stone = geom::template_of({{cuboid(Vec3::Constant(0.03)), 0.0015}});
+  geom::Template stone =
+      geom::template_of({{test::cuboid_core(0.5 * Vec3::Constant(0.03)), 0.0015}});
   // Principal axes of a cube may have any direction.
   const Vec3 corner = stone.pieces[0].core.vertices[0];
   const Quat onto_corner = Quat::FromTwoVectors(corner, Vec3::UnitZ());

@@ -7,20 +7,13 @@
 #include <numbers>
 
 #include "support/scene.hpp"
+#include "support/stone_pairs.hpp"
 #include "trackbed/geom/stone.hpp"
 
 namespace trackbed::wear_test {
 namespace {
 
 constexpr double density = 2500;
-
-geom::Convex cuboid(const Vec3& sides) {
-  std::vector<Vec3> corners;
-  for (int k = 0; k < 8; ++k)
-    corners.emplace_back((k & 1 ? 0.5 : -0.5) * sides.x(), (k & 2 ? 0.5 : -0.5) * sides.y(),
-                         (k & 4 ? 0.5 : -0.5) * sides.z());
-  return geom::convex_hull(corners);
-}
 
 dem::Template polyhedron(std::uint64_t seed) {
   return geom::template_of({geom::rounded_stone({.vertices = 16}, 0.05, seed)});
@@ -51,7 +44,8 @@ double rounded_cube(double a, double r) {
 
 TEST(Worn, CubeHasRounderEdges) {
   constexpr double a = 1, r = 0.05;
-  const geom::Template cube = geom::template_of({{cuboid(Vec3::Constant(a - 2 * r)), r}});
+  const geom::Template cube =
+      geom::template_of({{test::cuboid_core(0.5 * Vec3::Constant(a - 2 * r)), r}});
   for (const double part : {1e-4, 1e-3, 1e-2, 1e-1}) {
     const auto rest = geom::worn(cube, part * cube.volume);
     ASSERT_TRUE(rest);
@@ -100,7 +94,8 @@ TEST(Wear, OnAFloorFollowsTheWorkOfFriction) {
                            {.largest_overlap = 1},
                            test::box(Vec3(-0.4, -0.4, -0.05), Vec3(0.4, 0.4, 0.1)));
   particles.set_breakage(p);
-  const dem::Template block = geom::template_of({{cuboid(Vec3(0.05, 0.04, 0.02)), 0.002}});
+  const dem::Template block =
+      geom::template_of({{test::cuboid_core(0.5 * Vec3(0.05, 0.04, 0.02)), 0.002}});
   particles.add_template(block);
   dem::NewParticle one;
   one.position = Vec3(-0.1, 0, 0);
