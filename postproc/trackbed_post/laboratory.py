@@ -14,6 +14,7 @@ GRAVITY = 9.81   # m/s^2
 SMOOTH = 1e-3    # m of displacement over which stresses are averaged; a row is a mean over a window
 
 # Values in degrees and MPa. Those not checked are from memory (docs/laboratory.md).
+ONSET = 0.25  # pressure over the strength of stones above which the compression line is fitted
 PUBLISHED_FRICTION = {"clean ballast, 15-75 kPa, range not checked in a source": (45, 65),
                       "coarse soil, critical (Dolzyk-Szypcio 2019)": (41.2, 41.2)}
 PUBLISHED_TRIAXIAL = {"clean ballast, 15-120 kPa, range not checked in a source": (45, 65)}
@@ -23,6 +24,12 @@ PUBLISHED_REPOSE = {"crushed stone, range not checked in a source": (35, 45)}
 
 def kinds(run):
     return [stage.get("kind") for stage in run.deck.get("stage", [])]
+
+
+def splits_in_compaction(run):
+    """Whether stones split in the last stage, one of compaction, with enough of them to fit."""
+    return (kinds(run)[-1] == "compact" and any(len(rows) > 10 for rows in run.breaks.values())
+            and run.deck["breakage"]["splitting"]["strength"] > 0)
 
 
 def area(run):
@@ -104,6 +111,32 @@ def moduli(steps):
     """Constrained modulus between the ends of consecutive stages, Pa."""
     return [(name, (pressure - steps[k][2]) / (strain - steps[k][1]))
             for k, (name, strain, pressure) in enumerate(steps[1:]) if strain != steps[k][1]]
+
+
+def crushing(run):
+    """While a layer that breaks is compressed: pressure, Pa; void ratio of all solids, fines
+    included, and of the stones that are left, which bear the pressure; mass of the fines over that
+    of all solids."""
+    names = [stage["name"] for stage in run.deck["stage"]]
+    number = names.index(next(reversed(run.breaks)))
+    rows, breaks = run.stage == number, next(reversed(run.breaks.values()))
+    mass = run.stones[names[number - 1]].sieved[:, 1].sum()
+    density = next(material["density"] for material in run.deck["material"]
+                   if material["name"] == run.deck["bed"]["material"])
+    here = breaks[:, read.BREAK["time"]] > run.time[rows][0]
+    fines = breaks[here & (breaks[:, read.BREAK["fragment"]] < 0)]
+    lost = np.array([fines[fines[:, read.BREAK["time"]] <= at, read.BREAK["mass"]].sum()
+                     for at in run.time[rows]]) / mass
+    volume = area(run) * run.platen["z"].values[rows]
+    solids = mass / density
+    return {"pressure": run.platen["pressure"].values[rows], "all": volume / solids - 1,
+            "left": volume / (solids * (1 - lost)) - 1, "fines": lost}
+
+
+def slope_of_compression(got, which, least):
+    """d log e/d log p of a void ratio above the pressure `least`, Pa."""
+    above = (got["pressure"] > least) & (got[which] > 0)
+    return np.polyfit(np.log(got["pressure"][above]), np.log(got[which][above]), 1)[0]
 
 
 def dilation_angle(axial, volumetric):
@@ -217,6 +250,35 @@ def draw_compression(runs, folder):
     return lines
 
 
+def draw_crushing(runs, folder):
+    """Compression lines beside the published slope -1/(2 b) of log e over log p, with the size
+    effect d^-b of the strength (McDowell and de Bono 2013, doi:10.1680/geot.12.P.041)."""
+    figure, axes = plt.subplots(figsize=(7, 5), layout="constrained")
+    lines = ["crushing            fines, % of mass   slope of log e: all solids   stones left   "
+             "published"]
+    for k, run in enumerate(runs):
+        got = crushing(run)
+        splitting = run.deck["breakage"]["splitting"]
+        published = -splitting["weibull"] / 6  # b = 3/weibull
+        onset = splitting["strength"] * ONSET
+        slopes = [slope_of_compression(got, which, onset) for which in ("all", "left")]
+        for which, words, slope, style in zip(("all", "left"), ("all solids", "stones left"),
+                                              slopes, ("-", ":")):
+            axes.plot(1e-6 * got["pressure"], got[which], style, color=f"C{k}",
+                      label=f"{run.name}, {words}: {slope:.2f}")
+        at = np.argmax(got["pressure"] > onset)
+        ends = np.array([got["pressure"][at], got["pressure"].max()])
+        axes.plot(1e-6 * ends, got["all"][at] * (ends / ends[0])**published, "--", color="0.5",
+                  label=f"slope {published:.2f} (McDowell and de Bono 2013)")
+        lines.append(f"{run.name:19} {100 * got['fines'][-1]:16.1f} {slopes[0]:28.2f} "
+                     f"{slopes[1]:13.2f} {published:11.2f}")
+    axes.set(xscale="log", yscale="log", xlabel="pressure of the platen, MPa",
+             ylabel="void ratio")
+    axes.legend(fontsize=8)
+    folder.picture("crushing", figure)
+    return lines
+
+
 def draw_heaps(runs, folder):
     figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
     lines = ["heap                angle of repose, deg   standard deviation of "
@@ -258,6 +320,7 @@ def draw_into(results, folder):
     squeezed = [run for run, _ in runs if "triaxial" in kinds(run)]
     pressed = [run for run, _ in runs if kinds(run).count("compact") > 1
                and not {"shear", "triaxial"} & set(kinds(run))]
+    crushed = [run for run in pressed if splits_in_compaction(run)]
     known = [*sheared, *squeezed, *pressed, *(run for run, _ in heaps)]
     if others := [run.name for run, _ in runs if not any(run is one for one in known)]:
         raise read.Unreadable(f"not a laboratory test: {', '.join(others)}; such a test has a "
@@ -265,6 +328,7 @@ def draw_into(results, folder):
                               "compact")
     lines = []
     for draw, those in ((draw_shear, sheared), (draw_triaxial, squeezed),
-                        (draw_compression, pressed), (draw_heaps, heaps)):
+                        (draw_compression, pressed), (draw_crushing, crushed),
+                        (draw_heaps, heaps)):
         lines += draw(those, folder) if those else []
     folder.table("laboratory.txt", "\n".join(lines) + "\n")

@@ -58,6 +58,30 @@ def test_modulus_between_stages():
     assert dict(laboratory.moduli(steps)) == {"b": pytest.approx(50e6), "c": pytest.approx(-20e6)}
 
 
+def test_void_ratio_of_a_layer_that_is_crushed():
+    """A layer of 10 kg (0.004 m3) on 0.1 m2 whose void ratio falls as the root of the pressure,
+    and of which 1 kg becomes fines half-way."""
+    pressure = np.geomspace(1e6, 4e6, 21)
+    void = 0.8 * (pressure / 1e6)**-0.5
+    rows = np.zeros((2, len(read.BREAK)))
+    rows[:, read.BREAK["time"]] = [10.5, 12]
+    rows[:, read.BREAK["fragment"]] = [-1, 7]
+    rows[:, read.BREAK["mass"]] = [1, 3]
+    run = types.SimpleNamespace(
+        deck={"dimension": "space", "bed": {"x": [0, 0.5], "y": [0, 0.2], "material": "rock"},
+              "stage": [{"name": "seat", "kind": "compact"}, {"name": "crush", "kind": "compact"}],
+              "material": [{"name": "steel", "density": 1}, {"name": "rock", "density": 2500}]},
+        stage=np.ones(21, dtype=int), time=np.arange(21.0),
+        platen={"z": quantity(0.04 * (1 + void)), "pressure": quantity(pressure)},
+        stones={"seat": types.SimpleNamespace(sieved=np.array([[0.03, 4.0], [0.04, 6.0]]))},
+        breaks={"seat": rows[:0], "crush": rows})
+    got = laboratory.crushing(run)
+    assert got["all"] == pytest.approx(void)
+    assert got["fines"] == pytest.approx([0] * 11 + [0.1] * 10)
+    assert got["left"][-1] == pytest.approx((1 + void[-1]) / 0.9 - 1)
+    assert laboratory.slope_of_compression(got, "all", 1.5e6) == pytest.approx(-0.5)
+
+
 def test_triaxial_uses_the_current_sides():
     down = np.linspace(0, 0.06, 31)
     height, in_x, in_y = 0.6 - down, -down / 10, -down / 20

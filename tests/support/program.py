@@ -29,10 +29,15 @@ class Program:
     def __init__(self, path):
         self.path = path
 
-    def __call__(self, ranks, *arguments, timeout=3600):
+    def command(self, ranks, *arguments):
         command = [self.path, *map(str, arguments)]
+        if ranks == 1:
+            return command
+        return ["mpirun", "-n", str(ranks), "--oversubscribe", "--bind-to", "none", *command]
+
+    def __call__(self, ranks, *arguments, timeout=3600):
+        command = self.command(ranks, *arguments)
         if ranks != 1:
-            command = ["mpirun", "-n", str(ranks), "--oversubscribe", "--bind-to", "none", *command]
             return subprocess.run(command, capture_output=True, text=True, timeout=timeout,
                                   check=False)
         with alone() as environment:
