@@ -172,5 +172,33 @@ def breakage(runs):
     return figure
 
 
+def bonds(runs):
+    """Whole bonds, from the first stage with bonds on, without those of removed stones; places of
+    whole and broken ones at the end."""
+    needs(all(any(len(b.whole) + len(b.broken) for b in run.bonds.values()) for run in runs),
+          "these runs have no bonds")
+    figure, panels = plt.subplots(1 + len(runs), 1, figsize=(8, 4 + 3 * len(runs)))
+    for run, colour, places in zip(runs, COLOURS, panels[1:]):
+        last = list(run.bonds.values())[-1]
+        first = next(name for name, b in run.bonds.items() if len(b.whole) + len(b.broken))
+        number = [stage["name"] for stage in run.deck["stage"]].index(first)
+        times = np.sort(last.broken[:, read.BROKEN["time"]])
+        begin = min([*run.time[run.stage == number], *times, run.time[-1]])
+        left = len(last.whole) + np.arange(len(times), -1, -1)
+        panels[0].step([begin, *times, run.time[-1]], [*left, left[-1]], where="post",
+                       color=colour, label=f"{run.name}: {len(times)} of {left[0]} broke")
+        for rows, column, words, look in (
+                (last.whole, read.WHOLE, "whole", {"marker": ".", "color": "0.6"}),
+                (last.broken, read.BROKEN, "broken", {"marker": "x", "color": colour})):
+            places.scatter(rows[:, column["x"]], rows[:, column["z"]], s=16,
+                           label=f"{len(rows)} {words}", **look)
+        places.set(xlabel="x along the track (m)", ylabel="z (m)", aspect="equal", title=run.name)
+    panels[0].set(xlabel="simulated time (s)", ylabel="whole bonds")
+    for panel in panels:
+        panel.grid(alpha=0.3)
+        panel.legend(fontsize=8)
+    return figure
+
+
 FIGURES = {"regions": regions, "forces": forces, "grading": grading, "section": section,
-           "breakage": breakage}
+           "breakage": breakage, "bonds": bonds}

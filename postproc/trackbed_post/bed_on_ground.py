@@ -299,8 +299,9 @@ FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "st
 def draw_all(runs, folder):
     """Draws every figure and the table into a write.Folder."""
     for name, draw in FIGURES.items():
-        if name == "breakage" and not any(run.breaks for run in runs):
-            continue  # a remark on every bed of stones that cannot break would not help
+        parts = {"breakage": "breaks", "bonds": "bonds"}.get(name)
+        if parts and not any(getattr(run, parts) for run in runs):
+            continue  # a remark on every bed without breakage or bonds would not help
         try:
             figure = draw(runs)
         except Missing as missing:

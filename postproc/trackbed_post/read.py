@@ -36,6 +36,13 @@ class Chains:
 
 
 @dataclasses.dataclass(frozen=True)
+class Bonds:
+    """Bonds at the end of a stage: rows of WHOLE, and of BROKEN for those that broke before."""
+    whole: np.ndarray
+    broken: np.ndarray
+
+
+@dataclasses.dataclass(frozen=True)
 class Stones:
     """Pieces of stones at the end of a stage: centres (x, z) and radii, m; for each stone the
     smallest opening it passes, m, and its mass, kg."""
@@ -73,6 +80,7 @@ class Results:
     warnings: tuple             # messages of the run, from summary.json
     surface: dict               # stage -> rows x, y, z of the bed's top, m; z nan without stones
     breaks: dict                # stage -> rows of BREAK, pebbles that broke off up to its end
+    bonds: dict                 # stage -> Bonds at its end
 
     def _last_passage(self):
         """Number of the last passage stage, or -1; earlier passages bed the sleepers in."""
@@ -199,6 +207,12 @@ def results(path):
 BREAK = {name: k for k, name in enumerate((
     "time", "stone", "fragment", "x", "y", "z", "diameter", "mass", "force", "released", "lost",
     "stress", "kind"))}
+# Columns of bonds: -, -, -, m, m, m, N, -, -; and of those that broke: s, -, -, -, - (1 by shear, 0
+# by tension), m, m, m, Pa, Pa, J.
+WHOLE = {name: k for k, name in enumerate((
+    "first", "second", "kind", "x", "y", "z", "force", "utilisation", "damage"))}
+BROKEN = {name: k for k, name in enumerate((
+    "time", "first", "second", "kind", "by_shear", "x", "y", "z", "normal", "shear", "energy"))}
 PEBBLE, CORNER, SPLIT, DUST = range(4)  # kinds of a break; older results have pebbles alone
 
 
@@ -220,6 +234,7 @@ def _results(file_path, file):
     stone_stages = file["stones"] if "stones" in file else {}
     surfaces = file["surface"] if "surface" in file else {}
     breaks = file["breaks"] if "breaks" in file else {}
+    bonds = file["bonds"] if "bonds" in file else {}
     return Results(
         name=file_path.parent.name,
         deck=deck,
@@ -252,7 +267,10 @@ def _results(file_path, file):
                 for name in _in_order(stone_stages, deck)},
         surface={name: surfaces[name]["top"][()].reshape(-1, 3)
                  for name in _in_order(surfaces, deck)},
-        breaks={name: _breaks(breaks[name][()]) for name in _in_order(breaks, deck)})
+        breaks={name: _breaks(breaks[name][()]) for name in _in_order(breaks, deck)},
+        bonds={name: Bonds(*(bonds[name][part][()].reshape(-1, len(columns))
+                             for part, columns in (("whole", WHOLE), ("broken", BROKEN))))
+               for name in _in_order(bonds, deck)})
 
 
 def folder_of(path):

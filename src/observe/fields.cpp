@@ -80,6 +80,26 @@ io::Grid contact_lines(const dem::Particles& particles) {
   return grid;
 }
 
+// One line per bond between the centres of mass of both stones.
+io::Grid bond_lines(const dem::Particles& particles) {
+  io::Grid grid;
+  grid.kind = io::CellKind::line;
+  io::FieldData force{"force", {"N", "of the springs, on the first of the two stones"}, 3, {}},
+      utilisation{"utilisation", {"-", "largest stress over its strength"}, 1, {}},
+      damage{"damage", {"-", "part of the stiffness that is lost"}, 1, {}},
+      kind{"kind", {"-", "number of the [[bond]]"}, 1, {}};
+  particles.bonds([&](const dem::BondView& bond) {
+    const auto first = static_cast<std::int64_t>(grid.points.size());
+    grid.points.insert(grid.points.end(), {bond.first_centre, bond.second_centre});
+    grid.cells.insert(grid.cells.end(), {first, first + 1});
+    for (int k = 0; k < 3; ++k) force.values.push_back(bond.force[k]);
+    utilisation.values.push_back(bond.utilisation), damage.values.push_back(bond.damage);
+    kind.values.push_back(static_cast<double>(bond.kind));
+  });
+  grid.cell_data = {std::move(force), std::move(utilisation), std::move(damage), std::move(kind)};
+  return grid;
+}
+
 // Enters a file of the series' folder in the list of files and times that ParaView reads. Entries
 // of this time and later ones are those of an earlier run from the same checkpoint. On rank 0;
 // returns a problem or nothing.
@@ -217,6 +237,7 @@ void write_fields(const par::Comm& comm, const FieldFiles& files, const Scene& s
     write("stones", [&] { return stone_shapes(scene.particles); });
     write("contacts", [&] { return contact_lines(scene.particles); });
   }
+  if (scene.bonds) write("bonds", [&] { return bond_lines(scene.particles); });
   if (scene.ground) write("ground", [&] { return scene.ground->fields(); });
   if (!scene.surfaces.empty())
     write("surfaces", [&] { return surface_triangles(scene, comm.root()); });

@@ -56,7 +56,7 @@ void copy_snapshots(const io::File& from, io::File& to, const std::vector<std::s
   for (const char* place : {"sleepers/x", "ground/x"})
     if (from.has(place)) copy_table(from, to, place);
   for (const std::string& stage : stages) {
-    for (const char* group : {"chains/", "stones/", "surface/"})
+    for (const char* group : {"chains/", "stones/", "surface/", "bonds/"})
       for (const std::string& path : members(from, group + stage)) copy_table(from, to, path);
     if (const std::string breaks = "breaks/" + stage; from.has(breaks))
       copy_table(from, to, breaks);
@@ -72,7 +72,7 @@ void read_through(const io::File& file) {
   for (const char* place : {"history/time", "sleepers/x", "ground/x", "bed/grading"})
     if (file.has(place)) file.read_own_rows<double>(place);
   if (file.has("history/stage")) file.read_own_rows<std::int64_t>("history/stage");
-  for (const char* list : {"chains", "stones", "surface"})
+  for (const char* list : {"chains", "stones", "surface", "bonds"})
     for (const std::string& one : members(file, list))
       for (const std::string& path : columns(file, one)) file.read_own_rows<double>(path);
   for (const std::string& path : members(file, "breaks")) file.read_own_rows<double>(path);

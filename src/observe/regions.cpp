@@ -256,6 +256,14 @@ void add_contacts(const dem::Particles& particles, const Cells& cells, Sums& sum
       sums.add(*cell, fabric, symmetric(c.normal, c.normal));
     });
   });
+  particles.bonds([&](const dem::BondView& bond) {
+    const Vec3 &a = bond.first_centre, &b = bond.second_centre;
+    images(particles.domain(), cells, a.cwiseMin(b), a.cwiseMax(b), [&](const Vec3& shift) {
+      cells.along(a + shift, b + shift, [&](std::size_t cell, double fraction) {
+        sums.add(cell, stress, symmetric(fraction * bond.force, b - a));
+      });
+    });
+  });
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
   for (const Partner& p : found) sums.add(p.cell, partners, 1);

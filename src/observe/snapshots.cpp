@@ -22,6 +22,27 @@ Network network_of(const dem::Particles& particles) {
   return network;
 }
 
+// Bonds of this rank, whole ones and broken ones.
+struct Bonds {
+  std::vector<double> whole, broken;
+};
+
+Bonds bonds_of(const dem::Particles& particles) {
+  Bonds bonds;
+  particles.bonds([&](const dem::BondView& b) {
+    bonds.whole.insert(
+        bonds.whole.end(),
+        {static_cast<double>(b.first), static_cast<double>(b.second), static_cast<double>(b.kind),
+         b.point.x(), b.point.y(), b.point.z(), b.force.norm(), b.utilisation, b.damage});
+  });
+  for (const dem::BondBreak& b : particles.bond_breaks())
+    bonds.broken.insert(bonds.broken.end(),
+                        {b.time, static_cast<double>(b.first), static_cast<double>(b.second),
+                         static_cast<double>(b.kind), b.by_shear ? 1.0 : 0.0, b.position.x(),
+                         b.position.y(), b.position.z(), b.normal, b.shear, b.energy});
+  return bonds;
+}
+
 // Pebbles, m, since plots show disks; for polyhedra the bounding spheres of their pieces.
 struct Stones {
   std::vector<double> centre, radius;
@@ -55,6 +76,7 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
         {each.time, static_cast<double>(each.stone), static_cast<double>(each.fragment),
          each.position.x(), each.position.y(), each.position.z(), each.diameter, each.mass,
          each.force, each.released, each.lost, each.stress, static_cast<double>(each.kind)});
+  const Bonds bonds = bonds_of(scene.particles);
   // The same on all ranks; rank 0 writes it.
   const std::vector<double> surface =
       cell > 0 ? surface_of(impl_->comm, scene.particles, cell) : std::vector<double>{};
@@ -77,6 +99,17 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
            "(-1: fines), x, y, z, diameter, mass, force, elastic energy of its contacts, "
            "kinetic energy lost, stress, kind (0: pebble of a clump, 1: corner of a "
            "polyhedron, 2: part of a split stone, 3: dust of a worn stone)"});
+    if (scene.bonds) {
+      file.write<double>("bonds/" + stage + "/whole", bonds.whole, 9,
+                         {"-, -, -, m, m, m, N, -, -",
+                          "bonds: both stones, number of the [[bond]], x, y, z, force, "
+                          "utilisation (stress over strength), damage"});
+      file.write<double>("bonds/" + stage + "/broken", bonds.broken, 11,
+                         {"s, -, -, -, -, m, m, m, Pa, Pa, J",
+                          "bonds that broke up to the end of the stage: time, both stones, number "
+                          "of the [[bond]], 1 by shear or 0 by tension, x, y, z, tensile and shear "
+                          "stress, elastic energy"});
+    }
     if (cell > 0)
       file.write<double>("surface/" + stage + "/top", own, 3,
                          {"m", "x, y of each cell, and z of the highest stone in the cell"});

@@ -321,6 +321,7 @@ KNOBS |= {name.replace("bed.", "bed.layer.[].", 1):
 # Parameters that must not change anything here, with the reason.
 EXCEPTIONS = {
     "dem.skin": "speed only, a change of results would be an error; skin_test counts rebuilds",
+    "bond.[].name": "only the report on screen has it; placed.py reads it there",
     "dem.rebalance": "speed only, as dem.skin; balance_test counts new splits",
     **dict.fromkeys((f"handover.{name}" for name in ("after", "rounds", "trains", "each", "load")),
                     "jobs/handover.py reads it; the test of on_bed.toml verifies its effect"),

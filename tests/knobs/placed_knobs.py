@@ -26,6 +26,8 @@ MESH = [OTHER, "stone.odd.shape=mesh", "stone.odd.file={folder}/one.obj", "stone
 TURNED = ["stone.odd.angle=30"]
 SMALL = ["plate.floor.size=[0.2,0.02]", "plate.floor.edge=[1,0,0]"]
 TILTED = ["box.walls.angle=10"]
+BOX = ["bond.glue.low=[-0.01,0,0]", "bond.glue.high=[0,0.1,0.1]"]
+WEAK = ["bond.glue.tension=2e4", "bond.glue.shear=2e4"]
 DOMAIN = ["domain.low=[-1,-1,-1]", "domain.high=[1,1,1]"]
 # Parameter of the schema -> (change, context).
 KNOBS = {
@@ -72,6 +74,20 @@ KNOBS = {
     "box.[].axis": ("box.walls.axis=[0,0,1]", TILTED),
     "box.[].angle": ("box.walls.angle=10", []),
     "box.[].velocity": ("box.walls.velocity=[-0.2,0,0]", []),
+    "bond.[].present": ("bond.glue.present=false", []),
+    "bond.[].from": ("bond.glue.from=later", []),
+    "bond.[].low": ("bond.glue.low=[-0.001,0,0]", BOX),
+    "bond.[].high": ("bond.glue.high=[-0.005,0.1,0.1]", BOX),
+    "bond.[].material": ("bond.glue.material=wood", []),
+    "bond.[].gap": ("bond.glue.gap=5e-5", []),
+    "bond.[].young": ("bond.glue.young=6e6", []),
+    "bond.[].shear_ratio": ("bond.glue.shear_ratio=0.3", []),
+    "bond.[].radius": ("bond.glue.radius=0.4", []),
+    "bond.[].tension": ("bond.glue.tension=1e4", WEAK),
+    "bond.[].shear": ("bond.glue.shear=1e4", WEAK),
+    "bond.[].moment": ("bond.glue.moment=0.5", WEAK),
+    "bond.[].softening": ("bond.glue.softening=2", WEAK),
+    "bond.[].damping": ("bond.glue.damping=0.1", []),
 }
 # A stone that leaves the domain ends the run; one that starts within a box is refused.
 ENDS = {"domain.low": 4, "domain.high": 4, "box.[].side": 2}
@@ -113,14 +129,30 @@ REFUSED = {
     "contact.1.first=wood": "given twice",
     "stage.fall.kind=fill": 'must be "run" or "settle"',
     "stage.fall.ground_moves=true": "there is no ground",
-    "stone.odd.motion=driven stone.ball.motion=driven": "no stone is free",
+    "stone.odd.motion=driven stone.ball.motion=driven stone.left.motion=driven "
+    "stone.right.motion=driven": "no stone is free",
     "time.step=1": "is above the stable sub-step",
     "dimension=plane": "gives three-dimensional stones: a plane model allows ball, and clump",
+    "bond.glue.low=[0,0,0]": "needs both corners of the box, low and high",
+    "bond.glue.low=[0,0,0] bond.glue.high=[1,-1,1]": "must be above `low` along y",
+    "bond.glue.from=fill": "there is no stage \"fill\"",
+    "bond.glue.material=woood": "did you mean wood?",
+    "bond.glue.young=0": "must be above 0 Pa",
+    "breakage.wear.coefficient=1 breakage.material=stone": "is not possible with stones that break",
     "bed.height=0.3": "bed",
     "model=bed": "is only for model = \"stones\"",
 }
+WEARS = "bond.glue.present=false breakage.material=stone breakage.wear.coefficient=1"
 # Change of the deck -> part of the warning.
 WARNED = {
+    f"{WEARS} breakage.seed=3": "breakage.seed = 3: has no effect: wear has no strengths",
+    f"{WEARS} breakage.weibull=5": "no pebbles break off, and the parameters of pebbles",
+    f"{WEARS} breakage.cutting.weibull=5": "no corner is cut, and the other parameters",
+    f"{WEARS} breakage.splitting.weibull=5": "no stone splits, and the other parameters",
+    "bond.glue.present=false breakage.material=stone breakage.strength=1e6 breakage.check_steps=5 "
+    "stone.odd.sides=[] stone.odd.shape=clump "
+    "stone.odd.spheres=[-0.005,0,0,0.006,0.005,0,0,0.005]":
+        "breakage.check_steps = 5: has no effect: only splitting",
     "stone.ball.position=[0.02,0,9.5e-3]": "initially overlaps surface \"floor\" by 0.0005 m",
     "stage.fall.lift=0.5": "has no effect: it is for stages of kind release",
 }

@@ -77,6 +77,8 @@ SIEVED = np.array([[0.03, 1.0], [0.04, 3.0]])
 SURFACE = [[0.5, -1.0, 0.1], [1.5, -1.0, 0.3], [0.5, 0.0, 0.5], [1.5, 0.0, 0.5],
            [0.5, 1.0, float("nan")], [1.5, 1.0, float("nan")]]
 # A fragment of 12 mm and fines.
+WHOLE = np.array([[0, 1, 0, 1.0, 0, 0.1, 50.0, 0.4, 0], [1, 2, 0, 1.1, 0, 0.2, 90.0, 0.9, 0.2]])
+BROKEN = np.array([[0.5, 2, 3, 0, 1, 1.2, 0, 0.1, 2e5, 9e5, 1e-3]])
 BREAKS = np.array([[0.01, 3, 90, 0.4, 0, 0.3, 0.012, 2.4e-3, 800, 1e-3, 1e-6],
                    [0.05, 5, -1, 0.5, 0, 0.3, 0.004, 9e-5, 90, 1e-4, 0]])
 GRADING = np.array([[0.0224, 0, 0, 3], [0.035, 20, 10, 30], [0.063, 100, 100, 100]])
@@ -121,6 +123,8 @@ def write(folder, wedge=True, ground=True):
              "stones/load/radius": (np.array([0.03, 0.02]), "m"),
              "stones/load/sieved": (SIEVED, "m, kg"), "surface/load/top": (SURFACE, "m"),
              "breaks/load": (BREAKS, "s, -, -, m, m, m, m, kg, N, J, J"),
+             "bonds/load/whole": (WHOLE, "-, -, -, m, m, m, N, -, -"),
+             "bonds/load/broken": (BROKEN, "s, -, -, -, -, m, m, m, Pa, Pa, J"),
              "bed/grading": (GRADING, "m, %")}
     store(folder / "results.h5", made, version="0.0.0", ranks=2, deck=DECK.format(
         speed=SPEED, axles=list(AXLES), edge=EDGE, wedge=str(wedge).lower()))

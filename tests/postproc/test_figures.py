@@ -183,6 +183,17 @@ def test_breakage_counts_fragments_and_fines(runs):
     bed_on_ground.plt.close("all")
 
 
+def test_bonds_are_counted_over_time(runs):
+    panels = bed_on_ground.bed_figures.bonds(runs[:1]).axes
+    assert list(panels[0].lines[0].get_ydata()) == [3, 2, 2]
+    assert [text.get_text() for text in panels[1].get_legend().get_texts()] == ["2 whole",
+                                                                               "1 broken"]
+    for bonds in ({}, {"load": read.Bonds(np.zeros((0, 9)), np.zeros((0, 11)))}):
+        with pytest.raises(bed_on_ground.Missing):
+            bed_on_ground.bed_figures.bonds([dataclasses.replace(runs[0], bonds=bonds)])
+    bed_on_ground.plt.close("all")
+
+
 def test_breaks_are_counted_by_sleeper(runs):
     rows = np.zeros((4, len(read.BREAK)))
     rows[:, read.BREAK["x"]] = [0.25, 0.43, 0.65, 0.95]  # sleepers at 0.3 and 0.9 m
@@ -235,7 +246,7 @@ def test_a_run_without_ground_draws_the_other_figures(tmp_path):
     bed_on_ground.draw_all([read.results(made.write(tmp_path / "bed", ground=False))], folder)
     assert {path.stem for path in folder.pictures} == {
         "sleepers", "spectrum", "energy", "force_chains", "regions", "forces", "grading",
-        "section", "breakage", "sensors", "stress_paths", "support"}
+        "section", "breakage", "bonds", "sensors", "stress_paths", "support"}
     assert any(one.endswith(" has no ground, or no history of it") for one in folder.remarks)
 
 

@@ -23,13 +23,13 @@ GRAVITY = 9.81
 
 class Bench:
     def __init__(self, program, decks, folder):
-        self.program, self.decks, self.folder = program, decks, folder
+        self.program, self.decks, self.folder, self.report = program, decks, folder, ""
 
     def run(self, deck, *overrides, name=None, ranks=1):
         """Results of a deck by its name under inputs/verify, or by its path."""
         path = deck if isinstance(deck, pathlib.Path) else self.decks / f"{deck}.toml"
         place = self.folder / (name or path.stem)
-        self.program.done(ranks, "run", path, *overrides, "-o", place)
+        self.report = self.program.done(ranks, "run", path, *overrides, "-o", place).stdout
         return read.results(place)
 
 
@@ -135,6 +135,29 @@ def check_splitting(bench):
                       "stage.crush.duration=1e-3", name="whole")
     mass = next(reversed(whole.stones.values())).sieved[:, 1].sum()
     near(left + fines, mass, 1e-12 * mass, "mass of stones and fines")
+
+
+def check_agglomerate(bench):
+    """Until the first bond breaks, an agglomerate between plates is linear: with twice the strength
+    this happens at twice the compression. Bonds that soften break later, after a larger force."""
+    def crushed(name, *changes):
+        found = bench.run("agglomerate", *changes, name=name)
+        bonds = next(iter(found.bonds.values()))
+        first = bonds.broken[:, read.BROKEN["time"]].min()
+        peak = found.surfaces["upper"]["force"].values[:, 2].max()
+        require(len(bonds.whole) + len(bonds.broken) == 156, "bonds are lost")
+        require('bonds: 156 of "cement"' in bench.report, f"no report of bonds: {bench.report}")
+        return first, peak
+    first, peak = crushed("agglomerate")
+    later, larger = crushed("stronger", "bond.cement.tension=2e6", "bond.cement.shear=2e6")
+    near(later, 2 * first, 0.02 * first, "first break with twice the strength")
+    require(larger > 1.9 * peak, f"peak of {larger} N with twice the strength: {peak} N before")
+    # Polyhedra are bonded where they touch; a gap is for balls.
+    ran = bench.program.done(1, "check", bench.decks.parent / "bed/glued.toml",
+                             "bond.glue.gap=1e-3")
+    require("there are no balls" in ran.stdout, f"no warning of an idle gap: {ran.stdout}")
+    tough, tougher = crushed("tough", "bond.cement.softening=4")
+    require(tough > 1.5 * first and tougher > 1.5 * peak, "softening has no effect")
 
 
 def check_rotation(bench):
@@ -360,8 +383,8 @@ def main():
     folder.mkdir(parents=True)
     bench = Bench(Program(sys.argv[1]), pathlib.Path(sys.argv[2]), folder)
     for check in (check_decks, check_flight, check_impact, check_bounce, check_splitting,
-                  check_rotation, check_slope, check_pair, check_stack, check_driven, check_plane,
-                  check_disk, check_shear):
+                  check_agglomerate, check_rotation, check_slope, check_pair, check_stack,
+                  check_driven, check_plane, check_disk, check_shear):
         check(bench)
         print(check.__name__, "done")
 

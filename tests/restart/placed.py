@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Placed stones: histories are bitwise identical on 1, 2 and 3 ranks, and after a run was stopped
-and resumed on another number of ranks; a resume with another plate is refused.
+"""Placed stones, some of them bonded: histories are bitwise identical on 1, 2 and 3 ranks, and
+after a run was stopped and resumed on another number of ranks; a resume with another plate is
+refused.
 
     placed.py PROGRAM DECK FOLDER
 """
@@ -29,6 +30,9 @@ def require_moves(folder):
         raise SystemExit("the spin of the driven stone is not constant")
     if found["history/energy/supplied"][-1] == 0:
         raise SystemExit("driven bodies do no work")
+    bonds = summary(folder)["bonds"]
+    if min(bonds["whole"], bonds["made"] - bonds["whole"]) < 1:
+        raise SystemExit(f"of the bonds some must break and some must not: {bonds}")
 
 
 def main():

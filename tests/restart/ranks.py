@@ -29,7 +29,7 @@ def main():
         program.done(ranks, "run", deck, *changes, "-o", folder)
         found = summary(folder)
         hashes[ranks] = found["dem"]["state_hash"]
-        broken[ranks] = json.dumps(found.get("breakage"))
+        broken[ranks] = json.dumps([found.get("breakage"), found.get("bonds")])
         for name, value in found["coupling"].items():
             if not 0 <= value <= BALANCE:
                 raise SystemExit(f"{ranks} ranks: imbalance of {name} is {value}")
@@ -44,6 +44,15 @@ def main():
         raise SystemExit(f"breakage depends on the number of ranks: {broken}")
     if found.get("breakage", {"fragments": 10})["fragments"] < 10:
         raise SystemExit(f"hardly anything breaks: the comparison is meaningless: {broken}")
+    for kind, parameter in (("splits", "breakage.splitting.strength"),
+                            ("cuts", "breakage.cutting.strength"),
+                            ("wears", "breakage.wear.coefficient")):
+        if any(change.startswith(parameter) for change in changes) and \
+                found["breakage"][kind] == 0:
+            raise SystemExit(f"no {kind}: the comparison is meaningless: {broken}")
+    bonds = found.get("bonds", {"made": 20, "whole": 10})
+    if min(bonds["whole"], bonds["made"] - bonds["whole"]) < 10:
+        raise SystemExit(f"too few bonds break or stay: the comparison is meaningless: {bonds}")
 
 
 if __name__ == "__main__":

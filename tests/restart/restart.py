@@ -26,7 +26,7 @@ RANKS_OF_STOPPED, RANKS_OF_RESUMED = 2, (3, 1)  # in turn
 
 def canonical(name, values):
     """Rows of stones and contacts, whose order depends on the ranks, sorted."""
-    if name.startswith(("chains/", "stones/", "breaks/")) and len(values):
+    if name.startswith(("chains/", "stones/", "breaks/", "bonds/")) and len(values):
         rows = values.reshape(len(values), -1)
         return rows[numpy.lexsort(rows.T)]
     return values
@@ -39,7 +39,8 @@ def compare(reference, other, what):
     hashes = [summary(folder)["dem"]["state_hash"] for folder in (reference, other)]
     if hashes[0] != hashes[1]:
         raise SystemExit(f"{what}: state hash {hashes[1]} instead of {hashes[0]}")
-    for part, means in (("track", "forces of wheels"), ("breakage", "breakage")):
+    for part, means in (("track", "forces of wheels"), ("breakage", "breakage"),
+                        ("bonds", "bonds")):
         found = [summary(folder).get(part) for folder in (reference, other)]
         if found[0] != found[1]:
             raise SystemExit(f"{what}: {means} {found}")

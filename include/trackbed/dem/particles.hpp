@@ -15,6 +15,7 @@
 #include "trackbed/core/surface.hpp"
 #include "trackbed/core/timers.hpp"
 #include "trackbed/core/types.hpp"
+#include "trackbed/dem/bond.hpp"
 #include "trackbed/dem/breakage.hpp"
 #include "trackbed/dem/law.hpp"
 #include "trackbed/geom/convex.hpp"
@@ -165,6 +166,8 @@ class Particles {
   // The same if the work is so uneven that it pays; returns whether it was done: `reaches` must
   // then be called again. Collective.
   bool rebalance();
+  // New lists, where they are due: contacts and bonds are known only with lists. Collective.
+  void make_lists();
   double imbalance() const;  // work of the busiest rank over the mean, now; collective
   Balance balance() const;
 
@@ -203,6 +206,16 @@ class Particles {
   std::int64_t weak_pebbles() const;         // that can break off, of all ranks; -1: none may now
   const std::vector<Break>& breaks() const;  // those that this rank handled, in the order of time
   BreakTotals broken() const;
+
+  // What kinds of bonds there are; once, before anything else.
+  void set_bonds(std::vector<BondParameters> parameters);
+  // Makes bonds of this kind between all pairs of stones that fulfil its conditions now and have
+  // none. Returns their number. Collective.
+  std::int64_t bond(std::size_t kind);
+  void bonds(const std::function<void(const BondView&)>& visit) const;  // each once over ranks
+  const std::vector<BondBreak>& bond_breaks() const;  // of this rank, in the order of time
+  std::int64_t bonds_of(std::size_t kind) const;      // whole ones; collective
+  BondTotals bonded() const;                          // collective
 
   std::size_t size() const;  // own particles
   ParticleView operator[](std::size_t i) const;

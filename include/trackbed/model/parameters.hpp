@@ -152,6 +152,7 @@ struct Model {
   bed::PlatenParameters platen;
   bed::TampingParameters tamping;
   dem::BreakageParameters breakage;
+  std::vector<dem::BondParameters> bonds;
   Output output;
   std::vector<observe::Region> regions;
   std::vector<observe::Sensor> sensors;
@@ -181,7 +182,9 @@ struct Model {
   dem::Domain domain() const;
   bed::Container container() const;
   double pressure_in(const Stage& stage) const;  // Pa, of the platen
-  std::size_t breaks_from() const;  // number of the first stage with breakage, or of all stages
+  // Numbers of the stages with which breakage begins and bonds are made, or of all stages.
+  std::size_t breaks_from() const;
+  std::size_t bonds_from(std::size_t kind) const;
 
  private:
   void declare_space(input::Section& s);
@@ -192,6 +195,8 @@ struct Model {
   void declare_ground_alone(input::Section& s);
   void declare_placed(input::Section& s);
   void declare_dem(input::Section& s);
+  // By name; none: the first one of kind load or passage, of placed stones the first one.
+  std::size_t stage_of(const std::string& from) const;
 };
 
 }  // namespace trackbed::model

@@ -6,8 +6,8 @@
 
 namespace trackbed::observe {
 
-inline constexpr std::array<std::string_view, 6> field_parts = {"stones", "contacts", "ground",
-                                                                "solids", "surfaces", "train"};
+inline constexpr std::array<std::string_view, 7> field_parts = {
+    "stones", "contacts", "bonds", "ground", "solids", "surfaces", "train"};
 
 // Groups of histories; train: history/wheel, rail, body and seat; stone: also history/surface and
 // history/total.

@@ -37,6 +37,7 @@ struct Scene {
   const fem::Bodies* bodies = nullptr;      // solid sleepers and rails
   bool stones = true;                       // whether the model can have stones
   bool breaks = false;                      // whether their corners break
+  bool bonds = false;                       // whether they can have bonds
   std::vector<SceneSurface> surfaces = {};  // all that stones touch but the ground
 };
 

@@ -81,6 +81,16 @@ std::string why_spent(std::string_view key, const model::Model& model, const Pos
     return "the histories of this run contain this sensor as it was defined at the start";
   if (at.same_run && key == "output.histories")
     return "the parts whose histories this run contains were chosen at the start";
+  if (key.starts_with("bond[")) {
+    static constexpr std::array at_making = {"present",  "from", "low",   "high",
+                                             "material", "gap",  "radius"};
+    const std::size_t kind = std::stoul(std::string(key.substr(5)));
+    const std::string_view name = key.substr(key.find("].") + 2);
+    const bool over = model.bonds_from(kind) < next;
+    return over && std::find(at_making.begin(), at_making.end(), name) != at_making.end()
+               ? "these bonds have already been made"
+               : "";
+  }
   if (!key.starts_with("stage[")) return "";
   const std::size_t number = std::stoul(std::string(key.substr(6)));
   if (number < at.stage) return "this stage is over";

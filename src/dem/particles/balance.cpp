@@ -23,6 +23,7 @@ constexpr double sphere_cost = 13, body_cost = 145;  // forces cleared, moved; a
 constexpr double ghost_cost = 11;
 constexpr double piece_cost = 3;  // placed, if not all are spheres
 constexpr double entry_cost = 1.8, contact_cost = 17;
+constexpr double bond_cost = 90;  // of 4752 bonds of a block of 1728 balls
 constexpr double stone_entry_cost = 3, feature_cost = 7.5, stone_contact_cost = 53;
 // On surfaces. Finding the features near a stone costs up to 1000 ns for each triangle (a bed that
 // jumps, rebuilds included), but only when its margin is used up: 5 corresponds to once in 200
@@ -97,6 +98,8 @@ void Particles::Impl::choose_grid(const std::vector<double>& work) {
   skin = parameters.skin > 0 ? parameters.skin : default_skin();
   if (breaking.parameters.of_clumps())
     skin = std::max(skin, growth_in_lists * breaking.least_radius);
+  constexpr double margin = 1.1;  // stones move on before a bond that is too long breaks
+  skin = std::max(skin, margin * bonding.longest);
   population = comm.sum(static_cast<std::int64_t>(state.own));
   grid = Grid(domain, bounds, skin, population);
   grid.partition(by_cell(work), comm.size());
@@ -123,6 +126,7 @@ void Particles::Impl::visit_work(Visit&& visit) const {
     return stone_entry_cost + feature_cost * static_cast<double>(stone_contacts.features(e)) +
            (stones.entries[e].touching ? stone_contact_cost : 0);
   });
+  for (const Bonding::Place& place : bonding.places) visit(place.i, place.j, bond_cost);
   for (const Approach& a : approaches) {
     const auto triangles = static_cast<double>(a.triangles.size());
     const auto patches = static_cast<double>(a.patches.size());
@@ -167,6 +171,10 @@ std::vector<double> Particles::Impl::work() const {
     for (const std::int64_t key : {h.first, h.second})
       if (const auto found = known.find(key >= 0 ? particle_of(key) : -1); found != known.end())
         work[found->second] += 0.5 * contact;
+  if (bonding.places.empty())
+    for (const Bond& bond : bonding.bonds)
+      for (const Id id : {bond.first, bond.second})
+        if (const auto b = own_number(id)) work[*b] += 0.5 * bond_cost;
   return work;
 }
 

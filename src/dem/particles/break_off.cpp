@@ -223,7 +223,7 @@ double Particles::Impl::break_off(const Crack& crack, double depth, Changed& sto
   if (const auto b = own_number(crack.stone)) {
     const Vec3 where = state.x[*b].vec3() + quat(state.q[*b]) * Vec3(crack.scale * birth.at);
     lost = divide(*b, loss, birth, fragment);
-    breaking.breaks.push_back({breaking.elapsed, crack.stone, fragment, crack.pebble, where,
+    breaking.breaks.push_back({elapsed, crack.stone, fragment, crack.pebble, where,
                                2 * radius * crack.scale, mass, crack.force, crack.energy, lost, 0,
                                BreakKind::pebble});
   }

@@ -8,6 +8,8 @@
 //
 // Cost when nothing breaks: a limit of eight numbers for each block of pairs (near_pairs.hpp), and
 // the strengths of weak pebbles whenever lists are made.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -59,6 +61,11 @@ void Particles::let_break(bool active) {
     throw RunError(
         "there are stones with corners, from which no pebbles break off: give "
         "breakage.strength = 0, or clumps");
+  if (const std::int64_t bonds = active ? bonded().whole : 0; bonds > 0)
+    throw InputError({fmt::format(
+        "breakage: there are {} bonds between stones, and stones with bonds cannot break; leave "
+        "out [breakage]",
+        bonds)});
   require(!active || (r.domain.dimension == Dimension::space && r.breaking.material >= 0),
           "only stones of a known material break, in space");
   r.breaking.active = active;

@@ -65,7 +65,6 @@ void Particles::Impl::save_breakage(io::File& file, const std::string& group) co
   file.attribute(group, "break_least_mass", b.least_mass);
   file.attribute(group, "break_least_radius", b.least_radius);
   file.attribute(group, "break_largest_radius", b.largest_radius);
-  file.attribute(group, "break_elapsed", b.elapsed);
   file.attribute(group, "break_fragments", b.totals.fragments);
   file.attribute(group, "break_fines", b.totals.fines);
   file.attribute(group, "break_cuts", b.totals.cuts);
@@ -139,7 +138,6 @@ void Particles::Impl::load_breakage(const io::File& file, const std::string& gro
   b.least_mass = file.number_attribute(group, "break_least_mass");
   b.least_radius = file.number_attribute(group, "break_least_radius");
   b.largest_radius = file.number_attribute(group, "break_largest_radius");
-  b.elapsed = file.number_attribute(group, "break_elapsed");
   b.totals = {file.integer_attribute(group, "break_fragments"),
               file.integer_attribute(group, "break_fines"),
               file.integer_attribute(group, "break_cuts"),

@@ -115,7 +115,6 @@ struct Breaking {
   double least_mass = 0;
   double least_radius = 0, largest_radius = 0;  // m, of fragments; of all stones, whatever breaks
   Id next = -1;
-  double elapsed = 0;  // s
   // Of the last window, which break at the begin of the next one; their number on all ranks.
   std::vector<Crack> cracks;
   std::vector<Cut> cuts;

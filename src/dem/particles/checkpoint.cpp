@@ -58,12 +58,14 @@ void Particles::save(io::File& file, const std::string& group) const {
     file.attribute(group, "surface_" + std::to_string(n), r.names[n]);
   file.attribute(group, "surfaces", static_cast<std::int64_t>(r.names.size()));
   file.attribute(group, "steps", r.steps);
+  file.attribute(group, "elapsed", r.elapsed);
   file.attribute(group, "rebuilds", r.rebuilds);
   file.attribute(group, "local_damping", r.local_damping);
   file.attribute(group, "growing", r.state.growing);
   file.attribute(group, "grown", r.state.grown);
   file.attribute(group, "load_quantum", r.load_quantum);
   r.save_breakage(file, group);
+  r.save_bonds(file, group);
 }
 
 // A run without rolling resistance wrote no rolling displacements: they begin at zero.
@@ -108,6 +110,7 @@ void Particles::load(const io::File& file, const std::string& group) {
   r.state.growing = file.integer_attribute(group, "growing");
   r.state.grown = file.number_attribute(group, "grown");
   r.steps = file.integer_attribute(group, "steps");
+  r.elapsed = file.number_attribute(group, "elapsed");
   // A fraction by number of rows, not by position; the rebuild sends each particle to its owner.
   r.state.own = r.state.id.size();
   r.sort_own();
@@ -117,6 +120,7 @@ void Particles::load(const io::File& file, const std::string& group) {
   r.waiting = read_histories(file, group);
   r.names = read_surface_names(file, group);
   r.load_breakage(file, group);
+  r.load_bonds(file, group);
   r.rebuilds = file.integer_attribute(group, "rebuilds");
   r.local_damping = file.number_attribute(group, "local_damping");
   r.load_quantum = file.number_attribute(group, "load_quantum");

@@ -28,7 +28,7 @@ std::vector<Cut> Particles::Impl::gather_cuts() {
 // Adds a row for each part with a mass (kg); energies belong to the first.
 void Particles::Impl::record(const Cut& cut, const Vec3& place, double lost,
                              std::initializer_list<std::pair<Id, double>> parts) {
-  Break row{breaking.elapsed, cut.stone, -1, 0, place, 0, 0, cut.force, cut.energy, lost};
+  Break row{elapsed, cut.stone, -1, 0, place, 0, 0, cut.force, cut.energy, lost};
   row.kind = static_cast<BreakKind>(cut.kind), row.stress = cut.stress;
   for (const auto& [fragment, mass] : parts) {
     if (!(mass > 0)) continue;

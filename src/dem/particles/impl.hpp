@@ -4,8 +4,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
+#include "dem/bond/bonding.hpp"
 #include "dem/contact/stones.hpp"
 #include "dem/law/laws.hpp"
 #include "dem/particles/breaking.hpp"
@@ -136,6 +138,24 @@ struct Particles::Impl {
   void load_shapes(const io::File& file, const std::string& group);
   void save_breakage(io::File& file, const std::string& group) const;
   void load_breakage(const io::File& file, const std::string& group);
+  // bonds.cpp, bonds_file.cpp
+  void compute_bond_forces(const SubStep& step);
+  void drop_broken_bonds();
+  void find_bonds(std::size_t kind, double stretch, std::vector<Bond>& made) const;
+  double longest_stretch() const;
+  void migrate_bonds(const std::unordered_map<Id, std::size_t>& goes_to);  // collective
+  void sort_bonds();
+  void place_bonds();
+  BondResponse respond_to(std::size_t n) const;
+  BondedBody bonded_body(std::size_t b, const Vec3& shift) const;
+  Vec3 image_of(std::size_t i, std::size_t j) const;
+  double equal_radius(std::size_t b) const;
+  bool within_box(const BondParameters& p, Vec3 point) const;
+  double stable_step_of_bonds() const;
+  void save_bonds(io::File& file, const std::string& group) const;
+  void load_bonds(const io::File& file, const std::string& group);
+  // Whether attitudes are followed: those of balls matter to bonds alone.
+  bool turns() const { return !shapes.only_spheres() || bonding.any; }
   void choose_quantum();
   // N/m of the stiffest law; hertz: at the largest overlap allowed on a particle of this radius
   // (m).
@@ -172,7 +192,7 @@ struct Particles::Impl {
     return collect_history(state, pieces, pairs, stones, approaches, surface_names);
   }
   void forget_contacts() {
-    approaches.clear(), pairs.clear(), stones.clear();
+    approaches.clear(), pairs.clear(), stones.clear(), bonding.places.clear();
     near.clear(), near_valid = false;
     stone_contacts.reset(scene(), stones);
   }
@@ -230,11 +250,13 @@ struct Particles::Impl {
   std::vector<History> waiting;  // history of a loaded checkpoint until the lists are built
 
   Breaking breaking;
+  Bonding bonding;
   // Of all particles; below 0: each material's own.
   double local_damping = -1;
   SurfaceAction action;
   std::string trouble;
   std::int64_t steps = 0, rebuilds = 0;
+  double elapsed = 0;  // s, simulated since the particles exist
   // Not owned; without them times are not recorded.
   Timers own_timers;
   Timers* timers = &own_timers;

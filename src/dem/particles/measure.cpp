@@ -192,6 +192,7 @@ Totals Particles::totals() const {
     total.largest_overlap = std::max(total.largest_overlap, c.overlap);
     terms.add(c, energy);
   });
+  bonds([&](const BondView& bond) { terms.elastic.push_back(bond.energy); });
   total.particles = r.comm.sum(static_cast<std::int64_t>(r.state.own));
   total.pieces = r.comm.sum(total.pieces);
   total.contacts = r.comm.sum(total.contacts);
@@ -234,6 +235,8 @@ std::uint64_t Particles::state_hash() const {
       if (std::binary_search(r.state.id.begin(), end, first))
         sum += mix(hash_bytes(&record, sizeof record));
     }
+  for (const Bond& bond : r.bonding.bonds)
+    if (r.own_number(bond.first)) sum += mix(hash_bytes(&bond, sizeof bond));
   return static_cast<std::uint64_t>(r.comm.sum(static_cast<std::int64_t>(sum)));
 }
 
@@ -257,6 +260,7 @@ Memory Particles::memory() const {
   count(r.near.blocks, r.near.size, r.near.roll, r.near.limit, r.breaking.strength);
   count(r.stones.turn, r.approaches);
   for (const Approach& a : r.approaches) count(a.triangles, a.patches, a.near.features);
+  count(r.bonding.bonds, r.bonding.places);
   memory.contacts += r.stone_contacts.memory();
   return memory;
 }

@@ -109,13 +109,15 @@ std::int64_t Particles::remove(const std::function<bool(const ParticleView&)>& s
   for (const std::size_t b : removed) gone.push_back(r.state.id[b]);
   gone = r.comm.all_gather(std::span<const Id>(gone));
   std::sort(gone.begin(), gone.end());
-  const auto is_gone = [&](std::int64_t key) {
-    return key >= 0 && std::binary_search(gone.begin(), gone.end(), particle_of(key));
-  };
+  const auto is_gone_id = [&](Id id) { return std::binary_search(gone.begin(), gone.end(), id); };
+  const auto is_gone = [&](std::int64_t key) { return key >= 0 && is_gone_id(particle_of(key)); };
   const auto is_stale = [&](const History& h) { return is_gone(h.first) || is_gone(h.second); };
   std::erase_if(kept, is_stale);
   std::erase_if(r.waiting, is_stale);
   r.forget_cracks(gone);
+  std::erase_if(r.bonding.bonds, [&](const Bond& bond) {
+    return is_gone_id(bond.first) || is_gone_id(bond.second);
+  });
   visit_state(r.state, [&](auto, auto& array) {
     array.resize(r.state.own);
     // From the back, so that the numbers of the others stay valid.
@@ -228,7 +230,10 @@ double Particles::stable_step(std::string* limit) const {
   lightest = r.comm.min(lightest), largest = r.comm.max(largest);
   if (r.breaking.active && r.breaking.least_mass > 0)
     lightest = std::min(lightest, r.breaking.least_mass);
-  return dem::stable_step(r.physics, r.parameters, lightest, largest, limit);
+  const double contacts = dem::stable_step(r.physics, r.parameters, lightest, largest, limit);
+  const double bonds = r.comm.min(r.stable_step_of_bonds());
+  if (limit && bonds < contacts) *limit = "stiff bonds on a light stone";
+  return std::min(contacts, bonds);
 }
 
 // One window; with no sub-steps: new lists only, where they are due. Surfaces must have their new
@@ -250,7 +255,7 @@ void Particles::advance(double dt_window, int steps) {
     r.substep({dt_window / steps, static_cast<double>(k) / steps, k, steps});
   r.kick(dt_window / steps, 1);
   r.store_near_pairs(), r.stone_contacts.store(r.stones);
-  r.breaking.elapsed += dt_window;
+  r.elapsed += dt_window;
   r.find_cuts(steps);
   // One reduction for all. A plain sum: it is only compared with a tolerance.
   double sums[8];
@@ -260,6 +265,10 @@ void Particles::advance(double dt_window, int steps) {
   r.comm.sum(std::span<double>(sums, 8));
   r.breaking.pending = std::llround(sums[7]);
   r.action = {Eigen::Map<Vec3>(sums, 3), Eigen::Map<Vec3>(sums + 3, 3), sums[6]};
+}
+
+void Particles::make_lists() {
+  if (!impl_->ready) impl_->rebuild();
 }
 
 std::int64_t Particles::core_overlaps() const {

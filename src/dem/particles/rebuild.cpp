@@ -127,6 +127,7 @@ void Particles::Impl::migrate(std::vector<History>& history) {
         const auto to = key >= 0 ? goes_to.find(particle_of(key)) : goes_to.end();
         if (to != goes_to.end()) leaving_history[to->second].push_back(h);
       }
+  migrate_bonds(goes_to);
   // Those that stay, then the received ones; `sort_own` restores the order.
   if (staying.size() < state.own) pick(state, staying);
   for (const auto& bytes : comm.exchange(leaving))
@@ -212,8 +213,8 @@ void Particles::Impl::find_ghosts() {
 
 namespace {
 
-// Attitudes of spheres are not updated and not sent to their ghosts, which saves a third of the
-// data.
+// Attitudes of spheres without bonds are not updated and not sent to their ghosts, which saves a
+// third of the data.
 template <bool turning>
 constexpr bool in_each_step(Ghost ghost) {
   return ghost == Ghost::each_step || (turning && ghost == Ghost::turning);
@@ -274,10 +275,10 @@ void forward(par::Halo& halo, State& state) {
 
 void Particles::Impl::update_ghosts() {
   const auto timing = scope(Phase::halo);
-  if (shapes.only_spheres())
-    forward<false>(halo, state);
-  else
+  if (turns())
     forward<true>(halo, state);
+  else
+    forward<false>(halo, state);
 }
 
 double Particles::Impl::stiffest_contact(double radius) const {
@@ -355,6 +356,7 @@ void Particles::Impl::rebuild() {
   find_at_border();
   store_reference();
   find_growing();
+  place_bonds();
   ++rebuilds;
   ready = true;
 }

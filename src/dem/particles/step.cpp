@@ -39,6 +39,14 @@ void rotate_steadily(Vec4& attitude, Vec4& momentum, const Vec4& inertia, double
   momentum.set(q * Vec3((q.conjugate() * spin).cwiseProduct(moments)));
 }
 
+// A ball whose attitude is followed. Its spin is constant in a sub-step.
+void rotate_ball(Vec4& attitude, const Vec4& w, double dt) {
+  const Vec3 spin = w.vec3();
+  const double rate = spin.norm();
+  if (!(rate > 0)) return;
+  attitude = vec4((Quat(Eigen::AngleAxisd(dt * rate, spin / rate)) * quat(attitude)).normalized());
+}
+
 // From the angular momentum, whose fourth number is one over the moment of inertia.
 [[gnu::always_inline]] inline Four spin_of_sphere(Four l) { return l * (l[3] * Four{1, 1, 1, 0}); }
 
@@ -123,6 +131,8 @@ void Particles::Impl::kick_and_drift_spheres(double dt, int halves) {
     if (near_valid) speed = not_below(near.slow[b] * square(v), speed);
   }
   largest_motion = std::sqrt(motion), largest_speed = std::sqrt(speed);
+  if (!bonding.any) return;
+  for (std::size_t b = 0; b < state.own; ++b) rotate_ball(state.q[b], state.w[b], dt);
 }
 
 // v at half time, then x and attitude for the whole sub-step. Contacts use these velocities of half
@@ -188,6 +198,10 @@ void Particles::Impl::substep(const SubStep& step) {
     const auto timing = scope(Phase::surface_forces);
     compute_surface_forces(step);
     add_friction_work();
+  }
+  if (bonding.any) {
+    const auto timing = scope(Phase::pair_forces);
+    compute_bond_forces(step);
   }
   ++steps;
 }

@@ -126,6 +126,10 @@ void Particles::tile(const io::File& file, const std::string& group, const Tilin
   Impl& r = *impl_;
   require(r.comm.sum(static_cast<std::int64_t>(r.state.own)) == 0,
           "copying a cell requires an empty domain");
+  if (file.has(group + "/bonds/stones") && file.extent(group + "/bonds/stones").at(0) > 0)
+    throw InputError(
+        {"bed.cell: its stones have bonds, which are not copied; make bonds in the run "
+         "that lays the copies"});
   std::vector<int> shapes, names;
   for (const Template& shape : load_templates(file, group + "/template"))
     shapes.push_back(r.shapes.add(shape));

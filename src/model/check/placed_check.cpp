@@ -111,6 +111,7 @@ std::vector<std::string> estimate_placed(World& world, const input::Deck& deck) 
   double windows = 0;
   Steps steps;
   for (const Stage& stage : model.stages) {
+    make_bonds(world, stage);
     steps = choose_steps(world, step_of(world), stage, deck);
     const double needs = number_covering(stage.duration, steps.window);
     lines.push_back(fmt::format(

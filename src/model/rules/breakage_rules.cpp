@@ -82,18 +82,25 @@ void declare_idle(const dem::BreakageParameters& p, input::Section& s) {
          "no corner is cut, and the other parameters of [breakage.cutting] have no effect", idle);
   s.rule("breakage.wear.coefficient", p.wears() || p.wear == dem::WearParameters{},
          "no stone wears, and the other parameters of [breakage.wear] have no effect", idle);
+  const dem::BreakageParameters defaults;
+  s.rule("breakage.check_steps", p.of_corners() || p.check_steps == defaults.check_steps,
+         "has no effect: only splitting, cutting and wear are checked at intervals", idle);
+  s.rule("breakage.seed", p.of_clumps() || p.crushes() || p.seed == defaults.seed,
+         "has no effect: wear has no strengths that scatter", idle);
 }
 
 }  // namespace
 
-std::size_t Model::breaks_from() const {
-  if (is_placed() && breakage.from.empty()) return 0;
+std::size_t Model::stage_of(const std::string& from) const {
+  if (is_placed() && from.empty()) return 0;
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const bool loads = stages[i].kind == StageKind::load || stages[i].kind == StageKind::passage;
-    if (breakage.from.empty() ? loads : stages[i].name == breakage.from) return i;
+    if (from.empty() ? loads : stages[i].name == from) return i;
   }
   return stages.size();
 }
+
+std::size_t Model::breaks_from() const { return stage_of(breakage.from); }
 
 // Ids of stones that are poured later would follow those of fragments, and depend on how many there
 // are.

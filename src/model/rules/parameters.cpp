@@ -382,6 +382,7 @@ void Model::declare_bed(input::Section& s) {
     s.table("tamping", tamping, "The tines of stages of kind tamp.");
   }
   s.table("breakage", breakage, breakage_meaning);
+  s.tables("bond", bonds, bond_meaning);
   s.table("output", output, output_meaning);
   s.tables("region", regions, "Regions in which stones are measured at each row of the histories.");
   s.tables("sensor", sensors, sensor_meaning);

@@ -255,6 +255,7 @@ void Model::declare_placed(input::Section& s) {
   s.table("dem", dem, "Integration and contact search of stones.");
   placed.declare(s);
   s.table("breakage", breakage, breakage_meaning);
+  s.tables("bond", bonds, bond_meaning);
   s.table("output", output, "What is written, and when the run stops early.");
   s.tables("stage", stages, "The stages of the run, one after the other.");
   // The exact limit is known as soon as the stones are made.
@@ -267,6 +268,7 @@ void Model::declare_placed(input::Section& s) {
   declare_plane(*this, s);
   declare_stages_of_placed(*this, s);
   declare_breakage(*this, s);
+  declare_bonds(*this, s);
   declare_domain(*this, s);
 }
 

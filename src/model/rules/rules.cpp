@@ -381,6 +381,7 @@ void declare_rules(const Model& model, input::Section& s) {
   declare_walls(model, s);
   declare_tamping(model, s);
   declare_breakage(model, s);
+  declare_bonds(model, s);
   bool periodic_known = true;
   for (const auto& axis : model.periodic) periodic_known &= axis == "x" || axis == "y";
   s.rule("periodic", periodic_known, "may contain only \"x\" and \"y\"", {.reads = {"periodic"}});

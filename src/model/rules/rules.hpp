@@ -28,6 +28,9 @@ void declare_walls(const Model& model, input::Section& s);
 inline constexpr const char* breakage_meaning =
     "Breakage: pebbles of clumps break off; polyhedra split and lose corners (docs/breakage.md).";
 void declare_breakage(const Model& model, input::Section& s);
+inline constexpr const char* bond_meaning =
+    "Bonds between stones: glued ballast, agglomerates (docs/bonds.md).";
+void declare_bonds(const Model& model, input::Section& s);
 void declare_tamping(const Model& model, input::Section& s);
 // Warns of a dem.safety that is large for compacted stones with corners, if there are any.
 void declare_steadiness(const Model& model, bool corners, input::Section& s);
@@ -39,6 +42,7 @@ void declare_stages(const Model& model, input::Section& s);
 void declare_names_of_stages(const Model& model, input::Section& s);  // parts of it
 void declare_uses_of_stages(const Model& model, input::Section& s);
 void declare_names_of_pressures(const Model& model, input::Section& s);
+void declare_names_of_bonds(const Model& model, input::Section& s);
 void declare_names_of_placed(const Model& model, input::Section& s);
 void declare_regions(const Model& model, input::Section& s);
 // Names of sensors, and whether there can be something to read at their places.

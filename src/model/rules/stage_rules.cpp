@@ -239,6 +239,10 @@ void declare_names_of_pressures(const Model& model, input::Section& s) {
   declare_names("pressure", "pressures", model.pressures, {.reads = {"pressure"}}, s);
 }
 
+void declare_names_of_bonds(const Model& model, input::Section& s) {
+  declare_names("bond", "bonds", model.bonds, {.reads = {"bond"}}, s);
+}
+
 // Their names are groups of the results. Plates and boxes are both surfaces.
 void declare_names_of_placed(const Model& model, input::Section& s) {
   const PlacedParameters& placed = model.placed;

@@ -23,6 +23,7 @@ World::World(const par::Comm& world, const Model& deck)
             deck.ground.present ? -1 : deck.material(deck.ground_material)),
       coupler(world) {
   particles.set_breakage(model.breakage);
+  particles.set_bonds(model.bonds);
   const double thickness = model.domain().thickness;
   if (model.ground.present) {
     ground.emplace(comm, model.ground, model.dimension, thickness);
@@ -72,6 +73,13 @@ void World::register_surfaces() {
   particles.set_surfaces(surfaces);
   set_means(kept);
   share_out();
+}
+
+void make_bonds(World& world, const Stage& stage) {
+  const auto number = static_cast<std::size_t>(&stage - world.model.stages.data());
+  for (std::size_t kind = 0; kind < world.model.bonds.size(); ++kind)
+    if (world.model.bonds[kind].present && world.model.bonds_from(kind) == number)
+      world.particles.bond(kind);
 }
 
 void World::share_out() {
@@ -213,6 +221,7 @@ observe::Scene World::scene() {
           .bodies = solids && solids->placed() ? &solids->bodies() : nullptr,
           .stones = model.has_stones(),
           .breaks = model.breakage.any(),
+          .bonds = !model.bonds.empty(),
           .surfaces = std::move(shown)};
 }
 

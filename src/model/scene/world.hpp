@@ -110,4 +110,7 @@ struct World {
   std::array<std::vector<Registered>, SurfaceId::parts> registered_;
 };
 
+// Those that are made at the begin of this stage of the model. Collective.
+void make_bonds(World& world, const Stage& stage);
+
 }  // namespace trackbed::model

@@ -233,6 +233,9 @@ bool StagedScheme::begin_stage() {
       model_.has_stage(StageKind::passage) ? is_last_passage() : run_.course.stage + 1 == stages();
   for (const std::string& warning : sensors_.begin_stage(present().name, usual, world_.particles))
     run_.warn(warning);
+  if (run_.course.done.empty())
+    for (const std::string& warning : warnings_of_bonds(world_, run_.course.stage))
+      run_.warn(warning);
   begin_extremes();
   run_.course.steps = choose_steps(world_, step_of(world_), present(), run_.deck);
   if (present().kind == StageKind::fill && !model_.bed.cell.empty())
@@ -271,6 +274,8 @@ bool StagedScheme::settle_ground() {
 
 // `actions_.end` may remove stones (cribs), so results of the stage itself are written before it.
 void StagedScheme::end_stage() {
+  // A new partition after the last window, or a resume between it and this, leave no lists.
+  if (model_.has_stones()) world_.particles.make_lists();
   {
     const auto timing = run_.timers.scope(Phase::output);
     if (model_.has_stones())

@@ -55,6 +55,7 @@ class StagedScheme final : public Scheme {
   void sample();
   void write_fields();
   bool keeps_extremes() const;
+  void require_still_stable() const;  // throws InputError; collective
   void archive_platen(io::Archive& a);
   void begin_extremes();
   void resume_extremes(bool kept);

@@ -213,6 +213,14 @@ void put_figures(const FigureInput& run, Json& json) {
                         {"released_j", broken.released},
                         {"kinetic_lost_j", broken.lost}};
   }
+  if (!run.world.model.bonds.empty()) {
+    const dem::BondTotals bonds = run.world.particles.bonded();
+    json["bonds"] = {{"made", bonds.made},
+                     {"whole", bonds.whole},
+                     {"broken_by_tension", bonds.by_tension},
+                     {"broken_by_shear", bonds.by_shear},
+                     {"released_j", bonds.released}};
+  }
   if (stones) {
     json["imbalance"] = imbalance(run);
     json["load_balance"] = {{"rebalances", run.world.particles.balance().rebalances},

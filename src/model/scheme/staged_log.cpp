@@ -102,6 +102,17 @@ void say_stage_begins(RunContext& run, World& world, const Stage& stage) {
                  weak > 0 ? ""
                           : "; none is smaller than breakage.threshold allows: give a higher "
                             "threshold, or clumps of more spheres");
+  for (std::size_t kind = 0; kind < world.model.bonds.size(); ++kind) {
+    const dem::BondParameters& bond = world.model.bonds[kind];
+    const std::int64_t count = world.particles.bonds_of(kind);
+    const bool now = bond.present && world.model.bonds_from(kind) == course.stage;
+    if (now || count > 0)
+      say_values(comm, "  bonds: {} of \"{}\"{}", count, bond.name,
+                 now && count == 0 ? "; no stones of its material touch within its box: check "
+                                     "bond.low, bond.high and bond.material; balls may have a "
+                                     "bond.gap"
+                                   : "");
+  }
   run.log.mark(course.clock.time());
 }
 

@@ -5,7 +5,11 @@
 // matrices of the ground, and walls: they are built again and are bitwise identical. Nothing
 // depends on the number of ranks: datasets are global, so a run can be resumed with another number.
 // The layout is described in docs/checkpoint.md.
+#include <fmt/format.h>
+
+#include "model/scene/steps.hpp"
 #include "model/scheme/staged.hpp"
+#include "trackbed/core/error.hpp"
 
 namespace trackbed::model {
 
@@ -118,6 +122,22 @@ void StagedScheme::archive_platen(io::Archive& a) {
   a.part("platen", *world_.platen);
 }
 
+// Changed stiffness, damping or density may need shorter steps than those of the stage. Limits also
+// change a little with the stones themselves, which wear and break.
+void StagedScheme::require_still_stable() const {
+  if (!model_.has_stones()) return;
+  constexpr double tolerance = 1.1;
+  const StonesStep now = step_of(world_);
+  const double limit = now.longest / model_.dem.safety;
+  const double step = run_.course.steps.window / run_.course.steps.substeps;
+  if (step > tolerance * limit)
+    throw InputError({fmt::format(
+        "the sub-steps of stage \"{}\", {:.4g} s, are too long for the changed parameters: with "
+        "dem.safety = 1 the limit is {:.4g} s ({}); resume with the former values, or start a run "
+        "with these from the end of the stage before",
+        present().name, step, limit, now.limit)});
+}
+
 // Histories are continued in the file beside the checkpoint, or begin again if it does not exist.
 // The steps of the present stage are those of the checkpoint and are not chosen again: limits may
 // have changed with the stones, and an uninterrupted run would not have chosen new ones either.
@@ -126,6 +146,7 @@ void StagedScheme::resume(const io::File& file, const std::string& histories) {
   for (const StageRecord& record : run_.course.done) finished.push_back(record.name);
   results_.resume(histories, history_rows_in(file), finished);
   if (!run_.course.begun) return;
+  require_still_stable();
   resume_extremes(file.has("ground/extremes/element"));
   // Settings of `begin` that are not part of the stored state.
   world_.particles.set_local_damping(present().local_damping);

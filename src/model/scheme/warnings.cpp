@@ -122,4 +122,24 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
   return warnings;
 }
 
+std::vector<std::string> warnings_of_bonds(const World& world, std::size_t stage) {
+  std::vector<std::string> warnings;
+  for (std::size_t kind = 0; kind < world.model.bonds.size(); ++kind) {
+    const dem::BondParameters& bond = world.model.bonds[kind];
+    const std::size_t from = world.model.bonds_from(kind);
+    const auto& broken = world.particles.bond_breaks();
+    const std::int64_t ever =
+        world.particles.bonds_of(kind) +
+        world.comm.sum(std::count_if(broken.begin(), broken.end(), [&](const dem::BondBreak& each) {
+          return each.kind == static_cast<int>(kind);
+        }));
+    if (bond.present && from < stage && ever == 0)
+      warnings.push_back(fmt::format(
+          "bond[{}] (\"{}\"): there are none, and this run begins after the stage \"{}\" in which "
+          "they are made; name a later stage (bond.from)",
+          kind, bond.name, world.model.stages[from].name));
+  }
+  return warnings;
+}
+
 }  // namespace trackbed::model

@@ -13,6 +13,8 @@ namespace trackbed::model {
 // On height and porosity of the compacted bed, compared with those of the layers that the stages
 // `done` poured; empty: as expected. Collective.
 std::string warning_of_bed(const World& world, std::span<const Stage> done);
+// On bonds that should have been made before the first stage of this run. Collective.
+std::vector<std::string> warnings_of_bonds(const World& world, std::size_t stage);
 // On settled sleepers and fast stones at the end of a run whose last stage was of this kind.
 // Collective.
 std::vector<std::string> warnings_of_end(const World& world, StageKind last);

@@ -67,8 +67,9 @@ StageActions::StageActions(World& world, const Model& model)
                  static_cast<std::size_t>(std::max<std::int64_t>(model.sleepers.count, 0))),
       train_(world, model) {}
 
-// Collective. Order: damping and friction, then bodies that are removed, bodies that are added, and
-// finally the registration of surfaces, which connects the ground's top to the ranks that need it.
+// Collective. Order: damping and friction, then bodies that are removed, bodies that are added, the
+// registration of surfaces, which connects the ground's top to the ranks that need it, and finally
+// bonds between the stones that are left.
 void StageActions::begin(const Stage& stage) {
   world_.particles.set_local_damping(stage.local_damping);
   world_.particles.set_friction(stage.friction);
@@ -80,14 +81,15 @@ void StageActions::begin(const Stage& stage) {
   if (stage.profile > 0 && stage.kind != StageKind::cribs) cut_to_profile(world_, stage.profile);
   if (stage.kind == StageKind::cribs) fill_cribs(stage);
   if (stage.kind == StageKind::tamp) world_.place_tines();
-  if (model_.breakage.any())
-    world_.particles.let_break(static_cast<std::size_t>(&stage - model_.stages.data()) >=
-                               model_.breaks_from());
+  const auto number = static_cast<std::size_t>(&stage - model_.stages.data());
+  // Also without breakage: a checkpoint may come from a run with it.
+  world_.particles.let_break(model_.breakage.any() && number >= model_.breaks_from());
   if (has_cycles(stage)) settlement_.begin(*world_.sleepers);
   if (stage.kind == StageKind::compact && !world_.platen)
     world_.place_platen(world_.top_of_stones());  // registers surfaces
   else
     world_.register_surfaces();
+  make_bonds(world_, stage);
   if (has_platen && world_.platen)
     world_.platen->set_target(model_.pressure_in(stage), stage.kind == StageKind::shear);
   world_.walls.retarget();

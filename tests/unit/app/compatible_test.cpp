@@ -72,6 +72,7 @@ model::Model model_with_rows(model::ModelKind kind) {
   model.ground.borders.resize(1), model.ground.sections.resize(1);
   model.track.vehicles.resize(1), model.track.line.track.zones.resize(1);
   model.track.passage.forces.resize(1);
+  model.bonds.resize(1);
   return model;
 }
 

@@ -84,6 +84,34 @@ struct Cubic {
   }
 };
 
+// A ball that hangs from a held one by a bond alone: the tension carries its weight.
+TEST(Regions, BondsCarryTension) {
+  dem::Physics physics = test::one_material(springs(), density);
+  physics.materials[0].local_damping = 0.8;
+  dem::Particles particles(par::Comm::self(), physics, {},
+                           test::box(Vec3::Constant(-1), Vec3::Constant(1)));
+  dem::BondParameters glue;
+  glue.gap = 1e-5;
+  particles.set_bonds({glue});
+  particles.add_template(test::sphere());
+  std::vector<dem::NewParticle> two(2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    two[k].id = static_cast<Id>(k), two[k].scale = r;
+    two[k].position = Vec3(0, 0, -2.0001 * r * static_cast<double>(k));
+  }
+  two[0].held = true;
+  particles.add(two);
+  particles.set_surfaces({});
+  ASSERT_EQ(particles.bond(0), 1);
+  const double dt = particles.stable_step();
+  particles.advance(2000 * dt, 2000);
+  const auto region = box({-0.1, 0.1}, {-0.1, 0.1}, {-0.2, 0.1});
+  const observe::Measurement m = observe::measure(par::Comm::self(), particles, region).at(0);
+  const double weight = particles[1].mass * gravity, length = -particles[1].position.z();
+  EXPECT_NEAR(m.stress[2], weight * length / (0.2 * 0.2 * 0.3), 1e-6 * m.stress[2]);
+  EXPECT_EQ(m.contacts, 0);
+}
+
 TEST(Regions, ACubicPackHasTheStressOnItsWalls) {
   const par::Comm world = par::Comm::world();
   const Cubic pack(world, {0.002, 0.003, 0.004}, {0.13, -1.7, 0});
