@@ -54,7 +54,7 @@ REFUSED = [
     (["track.ends=free", "track.support=continuous"], ZONE.format(0, 60, "bed = 0"),
      "leaves 0 supports of the rail"),
     (["track.dimension=space"], ZONE.format(20, 30, 'sleeper = 2\nside = "left"'),
-     'track.zone[0].side = "left": must be "both" with `sleeper` or `footprint`'),
+     'track.zone[0].side = "left": must be "both" with `sleeper`, `footprint` or `spacing`'),
     (SEATS, ZONE.format(10, 10.7, "gap = 1e-3"),
      "track.zone[0].gap = 0.001: must be 0 with seat loads"),
     (SEATS, ZONE.format(10, 10.7, "bed = 0.0"),
