@@ -30,6 +30,8 @@ void StagedScheme::record() {
     write_fields();
   }
   if (run_.course.windows % windows_between_partitions != 0) return;
+  // Not after the last window: a new partition has no contacts, which the end of a stage writes.
+  if (!run_.course.clock.runs() || is_done()) return;
   const auto timing = run_.timers.scope(Phase::partition);
   world_.rebalance();
 }
