@@ -40,7 +40,7 @@ struct BondView {
   Vec3 first_centre, second_centre;  // m, of mass, the image that is bonded
   Vec3 point;                        // m, middle of the bond
   Vec3 force, moment;                // N, Nm, on the first stone at that point, of springs
-  double utilisation;                // over the strength
+  double utilisation;                // largest stress over its strength
   double damage;                     // 0 to 1, part of the stiffness that is lost
   double energy;                     // J
 };

@@ -147,6 +147,9 @@ struct Particles::Impl {
   void sort_bonds();
   void place_bonds();
   BondResponse respond_to(std::size_t n) const;
+  const BondParameters& parameters_of(const Bond& bond) const {
+    return bonding.parameters[static_cast<std::size_t>(bond.kind)];
+  }
   BondedBody bonded_body(std::size_t b, const Vec3& shift) const;
   Vec3 image_of(std::size_t i, std::size_t j) const;
   double equal_radius(std::size_t b) const;
