@@ -18,6 +18,13 @@ CARRIAGES = 2
 CARRIAGE, GAP = 25.5, 5.5  # m, its length and the distance of neighbouring axles of two
 AXLES = DECK["load"]["axles"]
 EXTREMES = ((17, 120), (25, 120))  # of which there are several packings
+# The other axle loads, t, and speeds, km/h, of the full form; on one packing.
+LOADS, SPEEDS = (17, 20, 25), (60, 90, 120, 150)
+SERIES = tuple((tonnes, kmh) for tonnes in (20, 25, 17) for kmh in (120, 150, 60, 90)
+               if (tonnes, kmh) not in EXTREMES)
+RIG = (17, 300)  # load and speed of the test rig
+LIGHT = "light_sleepers"  # run whose sleepers have a tenth of the mass, nearly the study's walls
+SINE, SINE_STRESS, SINE_SPEED = 16.6, 250e3, 160 / 3.6  # Hz, Pa, m/s, of the load of one sleeper
 # Corners that break off become fines: fragments smaller than the sub-ballast would make the
 # sub-step shorter. The short form has fewer, larger stones and spheres.
 FORMS = {"full": ("breakage.least_size=0.0198",),
@@ -54,24 +61,46 @@ def bed(form, packing):
     return Run(f"bed_{packing}", SLICE, (f"bed.seed={packing}", *FORMS[form], *ALONE))
 
 
-def passage(form, tonnes, kmh, packing):
+def on_bed(name, form, packing, *words):
     """On a prepared bed."""
-    return Run(name_of(tonnes, kmh, packing), SLICE,
-               (f"bed.seed={packing}", f"breakage.seed={packing}", *FORMS[form],
-                *train(tonnes, kmh), f"start='{{folder}}/bed_{packing}/stage_sleepers.h5'"))
+    return Run(name, SLICE, (f"bed.seed={packing}", f"breakage.seed={packing}", *FORMS[form],
+                             *words, f"start='{{folder}}/bed_{packing}/stage_sleepers.h5'"))
+
+
+def passage(form, tonnes, kmh, packing):
+    return on_bed(name_of(tonnes, kmh, packing), form, packing, *train(tonnes, kmh))
 
 
 def runs(form, ranks):
     del ranks  # runs side by side use them better than one run on all of them
     found = [bed(form, packing) for packing in PACKINGS]
     found += [passage(form, *case, packing) for packing in PACKINGS for case in EXTREMES]
+    if form == "full":
+        found += [passage(form, *case, PACKINGS[0]) for case in (RIG, *SERIES)]
+        found.append(on_bed(LIGHT, form, PACKINGS[0],
+                            f"material.2.density={DECK['material'][2]['density'] / 10:g}",
+                            *train(25, 120)))
+        found.append(on_bed("haversine", form, PACKINGS[0], "load.kind=table",
+                            "load.file='{folder}/sine.csv'", "load.wheel_load=0",
+                            f"load.speed={SINE_SPEED:.6g}"))
     return found
+
+
+def prepare(program, folder):
+    """The load of a sleeper whose stress is one haversine."""
+    del program
+    time = np.linspace(0, 1 / SINE, 61)
+    rows = "".join(f"{t:.6g},{SINE_STRESS * AREA * np.sin(np.pi * SINE * t)**2:.6g}\n"
+                   for t in time)
+    (folder / "sine.csv").write_text("time_s,force_N\n" + rows, encoding="utf-8")
 
 
 def measure(form, folder, numbers, lines):
     for run in runs(form, 1):
         place = folder / run.name
-        if not run.name.startswith("bed"):
+        if run.name == "haversine":
+            measure_path(run.name, Passage(read.results(place)), numbers, lines)
+        elif not run.name.startswith("bed"):
             found = Passage(read.results(place))
             measure_passage(run.name, found, numbers, lines)
             bed_of = read.results(folder / f"bed_{found.run.deck['bed']['seed']}")
@@ -260,6 +289,23 @@ def measure_rotation(name, found, numbers, lines):
                 lines.put(f"path, {depth} m", title, 1e-3 * deviator, 1e-3 * shear)
 
 
+def measure_path(name, found, numbers, lines):
+    """Changes of stress, kPa, below sleeper 3 while a haversine passes from sleeper to sleeper."""
+    middle = found.sleepers[MIDDLE]
+    vertical, horizontal, shear = (1e-3 * found.below(middle, DEPTHS[0], COMPONENTS[of])
+                                   for of in ("vertical", "horizontal", "shear"))
+    deviator, shear = vertical - horizontal, shear - shear[0]
+    deviator = deviator - deviator[0]
+    top = int(np.argmax(deviator))
+    lines.put("sine, time", "vertical - horizontal", found.time, deviator)
+    lines.put("sine, time", "shear", found.time, shear)
+    lines.put("sine, path", "below sleeper 3", deviator, 2 * shear)
+    numbers.put(name, "largest deviator", deviator[top], "kPa")
+    numbers.put(name, "shear then", shear[top], "kPa")
+    for title, part in (("before", shear[:top]), ("after", shear[top:])):
+        numbers.put(name, f"largest shear {title}", part[np.argmax(np.abs(part))], "kPa")
+
+
 def measure_stones(name, found, numbers):
     """Speeds at the moments at which a front wheel is above sleeper 3; contacts while the first
     wheel is above sleepers 1, 3 and 5."""
@@ -293,8 +339,15 @@ def growth(numbers, quantity, light=17, heavy=25):
 
 
 def targets(numbers):
-    return [*targets_of_load(numbers), *targets_of_settlement(numbers),
-            *targets_of_breakage(numbers), *targets_of_stress(numbers)]
+    found = [*targets_of_load(numbers), *targets_of_settlement(numbers),
+             *targets_of_breakage(numbers), *targets_of_stress(numbers)]
+    if has_series(numbers):
+        found += [*targets_of_speed(numbers), *targets_of_path(numbers)]
+    return found
+
+
+def has_series(numbers):
+    return numbers.has("haversine")
 
 
 def compared(what, kind, published, each, unit, value, close=AS_LARGE, **more):
@@ -346,6 +399,58 @@ def targets_of_breakage(numbers):
     yield held("part of the fragments below sleepers", "main", "majority", below / all_of, "", 0.5)
     yield held("part of those that is nearer to edges than to the middle", "soft", "majority",
                edges / below, "", 0.5)
+
+
+def faster(numbers, tonnes, quantity, slow=60, fast=150):
+    """Relative growth with the speed, %; one packing."""
+    before, after = (numbers(name_of(tonnes, kmh, PACKINGS[0]), quantity) for kmh in (slow, fast))
+    return 100 * (after / before - 1)
+
+
+def targets_of_speed(numbers):
+    """The study does not state the load of its speeds: by its settlements under 17 and 25 t at
+    120 km/h it is 20 t."""
+    down = faster(numbers, 20, "settlement, sleeper 3")
+    yield compared("settlement of sleeper 3: growth from 60 to 150 km/h, 20 t", "main", "+43.7 %",
+                   down, "%", 100 * (7.83 / 5.45 - 1), sign=down > 0)
+    for kmh, value in ((60, 5.45), (150, 7.83)):
+        yield compared(f"settlement of sleeper 3, 20 t, {kmh} km/h", "soft", f"{value} mm",
+                       numbers(name_of(20, kmh, PACKINGS[0]), "settlement, sleeper 3"), "mm",
+                       value)
+    load = growth(numbers, "settlement, sleeper 3")[0]
+    yield held("growth of settlement with the load over that with the speed", "main", "more than 1",
+               load / down, "", 1)
+    more = faster(numbers, 20, "corners broken")
+    yield compared("fragments: growth from 60 to 150 km/h, 20 t", "main", "+63 %", more, "%", 63,
+                   sign=more > 0)
+    yield held("growth of fragments with the load over that with the speed", "main", "more than 1",
+               growth(numbers, "corners broken")[0] / more, "", 1)
+    for kmh, value in ((60, 5.01), (150, 10.12)):
+        yield compared(f"mean speed of stones, 25 t, {kmh} km/h", "soft", f"{value} mm/s",
+                       numbers(name_of(25, kmh, PACKINGS[0]), "mean speed"), "mm/s", value)
+    yield compared("mean speed of stones: growth from 60 to 150 km/h, 25 t", "main", "+102 %",
+                   faster(numbers, 25, "mean speed"), "%", 100 * (10.12 / 5.01 - 1),
+                   sign=faster(numbers, 25, "mean speed") > 0)
+    yield held("mean speed of stones: growth from 17 to 25 t over that from 60 to 150 km/h", "soft",
+               "small", growth(numbers, "mean speed")[0] / faster(numbers, 25, "mean speed"), "",
+               AS_LARGE, larger=False)
+    pressure = [faster(numbers, 25, "ballast on sub-ballast", *pair)
+                for pair in ((60, 90), (90, 150))]
+    yield held("pressure on the sub-ballast: growth from 90 to 150 km/h over that from 60 to 90",
+               "soft", "almost 0", pressure[1] / pressure[0], "", AS_LARGE, larger=False)
+
+
+def targets_of_path(numbers):
+    rig = name_of(*RIG, PACKINGS[0])
+    yield compared("frequency of the M-shaped stress, 17 t, 300 km/h (test rig)", "hard", "33.3 Hz",
+                   numbers(rig, "frequency of the M"), "Hz", RIG[1] / 3.6 / 2.5, 0.03)
+    before, after = (numbers("haversine", f"largest shear {when}") for when in ("before", "after"))
+    yield held("stress path of a haversine: shear after its largest deviator over shear before",
+               "main", "negative", after / before, "", 0, larger=False)
+    yield held("stress path: shear at the largest deviator over the largest shear", "main",
+               "almost 0",
+               abs(numbers("haversine", "shear then")) / max(abs(before), abs(after)), "",
+               AS_LARGE, larger=False)
 
 
 def targets_of_stress(numbers):
