@@ -24,7 +24,7 @@ DOCS = ROOT / "docs"
 CHAPTERS = {
     "First steps": ("tutorial", "gallery", "cookbook"),
     "User guide": ("running", "track", "bed", "stones", "ground", "solid_track", "shapes",
-                   "laboratory", "postproc"),
+                   "laboratory", "postproc", "monitoring"),
     "Studies": ("studies/netirail/README", "studies/shi/README",
                 "studies/demfem/README", "studies/chen/README"),
     "Reference": ("input", "checkpoint", "glossary", "verification", "theory"),

@@ -11,6 +11,8 @@ matplotlib.use("Agg")
 
 from trackbed_post import (curves, geometry, kinds, read, report, still, sweep,  # noqa: E402
                            transition, vibration, write)
+from trackbed_post.monitor import command as monitor_command  # noqa: E402
+from trackbed_post.monitor import indicators  # noqa: E402
 
 FORMATS = ("png", "pdf", "svg", "csv")  # csv: the lines of each figure
 
@@ -107,6 +109,15 @@ def run_sweep(given):
         raise why
 
 
+def run_monitor(given):
+    """displacement, indicators and train of each passage that one accelerometer recorded"""
+    folder = write.Folder(given.output, write.origin_of(given.library) if given.library else "",
+                          given.format)
+    monitor_command.monitor(given.passages, folder, given.library, given.wavelengths,
+                            given.workers)
+    print_folders([folder])
+
+
 def list_datasets(given):
     """names, shapes, units and meanings of all datasets of an HDF5 file"""
     for name, item in read.datasets(given.file).items():
@@ -200,6 +211,16 @@ def parser():
     one.add_argument("--quantity", default="",
                      help="draw this dataset, e.g. envelope/rail/displacement_min")
     one.add_argument("--place", type=int, default=-1)
+    draws(one)
+    one = command("monitor", run_monitor)
+    one.add_argument("passages", type=pathlib.Path, metavar="FOLDER",
+                     help="signals (CSV, MAT, WAV) with their list passages.csv")
+    one.add_argument("--library", type=pathlib.Path, nargs="+", default=[], metavar="RESULT_DIR",
+                     help="runs of known trains, by which type and speed are recognised")
+    one.add_argument("--wavelengths", type=float, nargs=2, default=indicators.WAVELENGTHS,
+                     metavar="M", help="of the band of the indicators; default: 1 and 0.2 m")
+    one.add_argument("--workers", type=int, default=os.cpu_count() or 1,
+                     help="processes side by side; default: %(default)s")
     draws(one)
     one = command("list", list_datasets)
     one.add_argument("file", type=pathlib.Path, metavar="FILE")

@@ -23,16 +23,19 @@ UNITS = {"_m_s2": (1.0, "m/s2"), "_g": (9.80665, "m/s2"), "_mm_s2": (1e-3, "m/s2
 TIMES = {"time_s": 1.0, "time_ms": 1e-3}
 GAP = 1.5  # median steps: samples are missing
 CLIPPED = 3  # equal samples in a row at the largest or smallest value
+JUMP = 5  # quanta, into or out of such a row: slower signals may rest at their extreme
 
 
 @dataclasses.dataclass(frozen=True)
 class Signal:
-    """Evenly spaced times, s; values in the SI unit `unit`; `remarks` on the data."""
+    """Evenly spaced times, s; values in the SI unit `unit`; `remarks` on the data; `doubtful`:
+    samples that were interpolated or clipped."""
     name: str
     time: np.ndarray
     values: np.ndarray
     unit: str
     remarks: tuple
+    doubtful: np.ndarray = None
 
 
 def unit_of(name):
@@ -116,8 +119,24 @@ def _from_wav(path, wanted):
     return f"full_scale_{unit}", np.arange(len(samples)) / rate, scale * samples / full
 
 
+def clipped(values):
+    """Samples in rows of CLIPPED and more at the largest or smallest value."""
+    found = np.zeros(len(values), bool)
+    levels = np.unique(values)
+    if len(levels) < 3 or len(values) < CLIPPED + 2:
+        return found
+    quantum = np.min(np.diff(levels))
+    for limit in (levels[0], levels[-1]):
+        ends = np.flatnonzero(np.diff(np.concatenate([[0], values == limit, [0]])))
+        for begin, end in ends.reshape(-1, 2):
+            outside = [values[k] for k in (begin - 1, end) if 0 <= k < len(values)]
+            if end - begin >= CLIPPED and max(abs(limit - v) for v in outside) > JUMP * quantum:
+                found[begin:end] = True
+    return found
+
+
 def _even(time, values):
-    """Evenly spaced signal and the remarks on what it was before."""
+    """Evenly spaced signal, the remarks on what it was before, and its doubtful samples."""
     remarks = []
     good = np.isfinite(values) & np.isfinite(time)
     if not good.all():
@@ -126,24 +145,26 @@ def _even(time, values):
     time, values = time[good], values[good]
     if len(time) < 3 or np.any(np.diff(time) <= 0):
         raise read.Unreadable("a signal needs at least three samples in ascending time")
-    for limit in (values.max(), values.min()):
-        at = values == limit
-        if any(at[i:i + CLIPPED].all() for i in np.flatnonzero(at)[:-CLIPPED + 1]):
-            remarks.append(f"{np.sum(at)} samples equal the extreme value {limit:.4g}, at least "
-                           f"{CLIPPED} in a row: was the sensor overloaded?")
+    overload = clipped(values)
+    if overload.any():
+        remarks.append(f"{np.sum(overload)} samples are at the extreme values {values.min():.4g} "
+                       f"and {values.max():.4g}, at least {CLIPPED} in a row: was the sensor "
+                       "overloaded?")
     steps = np.diff(time)
     step = float(np.median(steps))
     missing = np.flatnonzero(steps > GAP * step)
     if len(missing):
         remarks.append(f"{len(missing)} gaps, the longest of {steps.max():.4g} s at "
                        f"{time[np.argmax(steps)]:.4g} s, were filled by straight lines")
+    even = time
     if signals.step_of(time) is None:
         if not len(missing):
             remarks.append(f"uneven steps were resampled to {step:.4g} s")
         even = time[0] + step * np.arange(int(round((time[-1] - time[0]) / step)) + 1)
-        values = np.interp(even, time, values)
-        time = even
-    return time, values, remarks
+    after = np.clip(np.searchsorted(time, even), 1, len(time) - 1)
+    nearest = np.minimum(np.abs(time[after] - even), np.abs(even - time[after - 1]))
+    doubtful = (nearest > GAP / 2 * step) | (np.interp(even, time, overload) > 0)
+    return even, np.interp(even, time, values), remarks, doubtful
 
 
 def load(place):
@@ -151,8 +172,9 @@ def load(place):
     linear trend remain: see `detrended`."""
     text = str(place)
     name, colon, wanted = text.rpartition(":")
-    path = pathlib.Path(name if colon else text)
-    wanted = wanted if colon else ""
+    if not colon or pathlib.Path(text).is_file():  # names may have colons
+        name, wanted = text, ""
+    path = pathlib.Path(name)
     readers = {".csv": _from_csv, ".mat": _from_mat, ".wav": _from_wav}
     if path.suffix.lower() not in readers:
         raise read.Unreadable(f"{path}: the name must end with {', '.join(readers)}")
@@ -160,8 +182,8 @@ def load(place):
         raise read.Unreadable(f"{path} does not exist")
     name, time, values = readers[path.suffix.lower()](path, wanted)
     factor, unit = unit_of(name)
-    time, values, remarks = _even(time, values * factor)
-    return Signal(f"{path.name}, {name}", time, values, unit, tuple(remarks))
+    time, values, remarks, doubtful = _even(time, values * factor)
+    return Signal(f"{path.name}, {name}", time, values, unit, tuple(remarks), doubtful)
 
 
 def detrended(signal):

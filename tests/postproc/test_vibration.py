@@ -102,7 +102,8 @@ def test_faults_of_a_measurement_are_stated_and_mended(tmp_path):
     rows = "".join(f"{t},{v}\n" for t, v in zip(time, values))
     found = measured.load(write_csv(tmp_path / "a.csv", "time_s,a_m_s2\n" + rows))
     text = " ".join(found.remarks)
-    for words in ("1 of 190 samples were not numbers", "5 samples equal the extreme value 2.5",
+    for words in ("1 of 190 samples were not numbers",
+                  "5 samples are at the extreme values -0.997 and 2.5",
                   "gaps, the longest of 0.11 s at 0.49 s"):
         assert words in text
     assert np.isfinite(found.values).all() and signals.step_of(found.time) == pytest.approx(0.01)

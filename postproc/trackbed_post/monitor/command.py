@@ -1,0 +1,53 @@
+"""The command `trackbed_post monitor`."""
+import json
+import math
+
+import numpy as np
+
+from trackbed_post import measured, read
+from trackbed_post.monitor import figures, passages
+
+TABLE, SETTINGS = "monitor.csv", "monitor.json"
+
+
+def monitor(source, folder, runs, wavelengths, workers):
+    """Continues the table of passages in a write.Folder and draws its trends and the first passage
+    that could be evaluated."""
+    if workers < 1:
+        raise read.Unreadable(f"--workers {workers}: must be at least 1")
+    if not (0 < min(wavelengths) < 0.9 * max(wavelengths) < math.inf):
+        raise read.Unreadable(f"--wavelengths {wavelengths[0]:g} {wavelengths[1]:g}: must be two "
+                              "different lengths above 0, m")
+    if folder.path.resolve() == source.resolve():
+        raise read.Unreadable(f"{source} has the signals: choose another folder for the results")
+    library = passages.library_of(runs) if runs else None
+    keep_settings(folder, source, runs, wavelengths)
+    path = folder.path / TABLE
+    count = passages.batch(source, path, library, wavelengths, workers)
+    table = figures.table_of(path)
+    files = table.get("file", [])
+    failed = np.flatnonzero(~np.isfinite(table["peak_mm"])) if table else []
+    reasons = [f"{files[row]}: {table['remarks'][row]}" for row in failed[:5]]
+    if len(failed) == len(files):
+        raise read.Unreadable("\n".join([f"{path}: no passage could be evaluated", *reasons]))
+    folder.remarks += [f"{path}: {count} passages are new, {len(failed)} of {len(files)} could not "
+                       "be evaluated", *reasons]
+    folder.picture("trends", figures.trends(table, wavelengths))
+    first = int(np.flatnonzero(np.isfinite(table["peak_mm"]))[0])
+    folder.picture("passage", figures.passage(measured.load(source / str(files[first])),
+                                              float(table["speed_m_s"][first]),
+                                              str(files[first])))
+
+
+def keep_settings(folder, source, runs, wavelengths):
+    """Refuses to continue a table of other passages, bands or trains."""
+    now = {"passages": str(source.resolve()), "wavelengths_m": sorted(wavelengths),
+           "library": [str(run.resolve()) for run in runs]}
+    path = folder.path / SETTINGS
+    if path.is_file() and (folder.path / TABLE).is_file():
+        then = json.loads(path.read_text(encoding="utf-8"))
+        for name, value in now.items():
+            if then.get(name) != value:
+                raise read.Unreadable(f"{folder.path} has the table of {name} = {then.get(name)}, "
+                                      f"not {value}: choose another folder")
+    folder.file(SETTINGS, json.dumps(now, indent=1) + "\n")

@@ -1,0 +1,327 @@
+"""Condition monitoring: passages whose displacement and acceleration are known in closed form."""
+import csv
+import dataclasses
+
+import conftest
+import numpy as np
+import pytest
+import scipy.signal
+
+from trackbed_post import measured, read
+from trackbed_post.monitor import displacement, figures, indicators, passages, trains
+
+RATE = 5000.0
+BOGIE, CENTRES, LENGTH = 2.9, 17.0, 25.0  # m
+STIFF = 1.2  # 1/m, of Winkler's deflection line
+DEEP = 0.8e-3  # m, below a single axle
+
+
+@dataclasses.dataclass
+class Passage:
+    speed: float
+    displacement: np.ndarray
+    acceleration: np.ndarray
+
+
+def axles(cars, centres=CENTRES, length=LENGTH):
+    return np.concatenate([[start + place + k * BOGIE for place in (0.0, centres) for k in (0, 1)]
+                           for start in length * np.arange(cars)])
+
+
+def train(speed, places, rate=RATE, impact=0.0):
+    """Winkler's line exp(-|s|)(cos s + sin |s|) of each axle, rounded over 0.1 m as by a sleeper's
+    width, and its second derivative; `impact`: m/s2, a burst of 150 Hz at each axle whose double
+    integral is known, too."""
+    time = np.arange(-45.0, places[-1] + 45.0, speed / rate) / speed
+    down, slow = np.zeros(len(time)), np.zeros(len(time))
+    for place in places:
+        for shift in (-0.1, 0.1):
+            s = STIFF * (speed * time - place + shift)
+            decay = np.exp(-np.abs(s))
+            down -= DEEP / 2 * decay * (np.cos(s) + np.sin(np.abs(s)))
+            slow -= DEEP / 2 * 2 * (STIFF * speed)**2 * decay * (np.sin(np.abs(s)) - np.cos(s))
+        since = time - place / speed
+        width, w = 0.004, 2 * np.pi * 150
+        bell = np.exp(-(since / width)**2 / 2)
+        down += impact / w**2 * bell * np.sin(w * since)
+        first, second = -since / width**2, (since / width**2)**2 - 1 / width**2
+        slow += impact / w**2 * bell * ((second - w**2) * np.sin(w * since)
+                                        + 2 * first * w * np.cos(w * since))
+    return Passage(speed, down, slow)
+
+
+@pytest.fixture(scope="module", name="six")
+def six_cars():
+    return train(50.0, axles(6), impact=60.0)
+
+
+def noisy(passage, part, seed):
+    """White noise of this part of the signal's root mean square."""
+    size = part * np.sqrt(np.mean(passage.acceleration**2))
+    return passage.acceleration + size * np.random.default_rng(seed).standard_normal(
+        len(passage.acceleration))
+
+
+def worst(found, passage):
+    """Largest error over the largest displacement."""
+    return np.abs(found.displacement - passage.displacement).max() / -passage.displacement.min()
+
+
+def test_displacement_of_six_cars_is_within_one_per_cent(six):
+    found = displacement.reconstruct(six.acceleration, RATE, six.speed)
+    assert worst(found, six) < 0.01
+    assert found.deviation.max() < 0.01 * found.peak[0]
+    # What seems to rest is lifted by up to 4 %.
+    assert np.abs(six.displacement[found.at_rest]).max() < 0.05 * found.peak[0]
+    assert 0.1 < found.at_rest.mean() < 0.8 and not found.reversed
+
+
+def test_high_pass_of_the_thesis_is_within_ten_per_cent(six):
+    found = displacement.reconstruct(six.acceleration, RATE, six.speed, "high_pass")
+    assert worst(found, six) < 0.10
+    assert 0.04 <= found.high_pass <= 2
+
+
+@pytest.mark.parametrize("speed", [22.0, 35.5, 60.0])
+@pytest.mark.parametrize("rate", [1000.0, 20000.0])
+def test_other_speeds_and_rates(speed, rate):
+    one = train(speed, axles(3), rate)
+    assert worst(displacement.reconstruct(one.acceleration, rate, speed), one) < 0.02
+
+
+def test_trains_of_different_cars():
+    places = np.concatenate([axles(1, 9.0, 19.0), 19.0 + 4.0 + axles(2, 14.0, 20.0),
+                             70.0 + axles(1, 19.0, 26.0)])
+    one = train(40.0, places)
+    assert worst(displacement.reconstruct(one.acceleration, RATE, 40.0), one) < 0.02
+
+
+@pytest.mark.parametrize("part, most", [(1e-3, 0.05), (1e-2, 0.15)])
+def test_errors_are_those_that_the_deviation_states(six, part, most):
+    errors = []
+    for seed in range(10):
+        found = displacement.reconstruct(noisy(six, part, seed), RATE, six.speed)
+        errors.append((found.displacement - six.displacement) / found.deviation)
+        assert worst(found, six) < most
+    # Of a standard normal variable 95 % are within 2; smooth errors make few independent ones.
+    assert 0.5 < np.sqrt(np.mean(np.square(errors))) < 1.5
+
+
+def test_offset_and_drift_of_the_sensor_do_not_matter(six):
+    time = np.arange(len(six.acceleration)) / RATE
+    drifting = six.acceleration + 3 - 0.5 * time
+    assert worst(displacement.reconstruct(drifting, RATE, six.speed), six) < 0.02
+
+
+def test_sensor_upside_down_is_noticed(six):
+    found = displacement.reconstruct(-six.acceleration, RATE, six.speed)
+    assert found.reversed and worst(found, six) < 0.01
+
+
+def faulty(acceleration, doubtful, six):
+    """What is found of a signal of which samples are lost."""
+    found = displacement.reconstruct(acceleration, RATE, six.speed, doubtful=doubtful)
+    wrong = np.abs(found.displacement - six.displacement).max()
+    # Reported as wrong by the misfit, or by a deviation of the size of the error.
+    reported = found.misfit > displacement.TRUSTED or wrong < 4 * found.deviation.max()
+    assert reported or wrong < 0.02 * found.peak[0]
+    return wrong
+
+
+def test_overloaded_sensor_is_not_trusted(six):
+    limited = np.clip(six.acceleration, -30, 30)
+    clipped = measured.clipped(limited)
+    assert clipped.sum() > 50 and not measured.clipped(six.acceleration).any()
+    faulty(limited, clipped, six)
+    # Weaker upwards than downwards, so that what is cut off changes the velocity.
+    uneven = six.acceleration - 40 * (six.acceleration > 20)
+    faulty(np.clip(uneven, -30, 30), measured.clipped(np.clip(uneven, -30, 30)), six)
+    assert faulty(uneven, None, six) > 0.1 * -six.displacement.min()
+
+
+def test_missing_samples_are_not_trusted(six, tmp_path):
+    lost = slice(np.argmax(np.abs(six.acceleration)) - 10, np.argmax(np.abs(six.acceleration)) + 10)
+    time = np.delete(np.arange(len(six.acceleration)) / RATE, lost)
+    np.savetxt(tmp_path / "gap.csv", np.column_stack([time, np.delete(six.acceleration, lost)]),
+               delimiter=",", header="time_s,sleeper_m_s2", comments="")
+    signal = measured.load(tmp_path / "gap.csv")
+    assert 15 <= signal.doubtful.sum() <= 25
+    faulty(signal.values, signal.doubtful, six)
+    # Filled by a straight line from a peak, without a word.
+    broken = six.acceleration.copy()
+    broken[lost] = np.abs(six.acceleration).max()
+    assert faulty(broken, None, six) > 0.1 * -six.displacement.min()
+
+
+def test_slow_signal_at_its_extreme_is_not_clipped():
+    smooth = np.round(np.cos(np.linspace(0, 20, 5000)) * 100)
+    assert (smooth == 100).sum() > 20 and not measured.clipped(smooth).any()
+
+
+@pytest.mark.parametrize("fault", ["step", "start", "spike", "hum"])
+def test_faults_of_the_sensor_are_noticed(six, fault):
+    time = np.arange(len(six.acceleration)) / RATE
+    added = {"step": 0.5 * (time > time[-1] / 2), "start": 2 * np.exp(-time / 0.5),
+             "spike": 200.0 * (np.arange(len(time)) == len(time) // 2),
+             "hum": 0.05 * np.sin(2 * np.pi * 2 * time)}[fault]
+    found = displacement.reconstruct(six.acceleration + added, RATE, six.speed)
+    assert found.misfit > 2 * displacement.TRUSTED
+    assert displacement.reconstruct(six.acceleration, RATE, six.speed).misfit < displacement.TRUSTED
+
+
+def test_noise_need_not_be_white_up_to_half_the_rate(six):
+    fast = train(six.speed, axles(6), 20000.0, impact=60.0)
+    sections = scipy.signal.butter(4, 2000, fs=20000.0, output="sos")
+    noise = scipy.signal.sosfiltfilt(sections, np.random.default_rng(4).standard_normal(
+        len(fast.acceleration)))
+    size = 3e-3 * np.sqrt(np.mean(fast.acceleration**2)) / noise.std()
+    found = displacement.reconstruct(fast.acceleration + size * noise, 20000.0, fast.speed)
+    errors = (found.displacement - fast.displacement) / found.deviation
+    assert 0.3 < np.sqrt(np.mean(errors**2)) < 2
+
+
+@pytest.mark.parametrize("words, why", [
+    ({"speed": 0.0}, "must be above 0"), ({"speed": 4000.0}, "too few"),
+    ({"acceleration": np.zeros(100)}, "more than 40 m"),
+    ({"acceleration": np.zeros(10**6)}, "less than 3000 m"),
+    ({"acceleration": np.full(20000, 9.81)}, "constant"), ({"method": "highpass"}, "no method"),
+    ({"acceleration": np.full(20000, np.nan)}, "not numbers")])
+def test_what_cannot_be_reconstructed_is_refused(six, words, why):
+    given = {"acceleration": six.acceleration, "rate": RATE, "speed": six.speed} | words
+    with pytest.raises(read.Unreadable, match=why):
+        displacement.reconstruct(**given)
+
+
+def test_train_that_fills_the_record_is_refused(six):
+    middle = six.acceleration[(np.abs(six.displacement) > 0.3e-3)]
+    with pytest.raises(read.Unreadable, match="rests for"):
+        displacement.reconstruct(np.tile(middle, 3), RATE, six.speed)
+
+
+def test_indicator_is_the_root_mean_square_of_its_band(six):
+    time = np.arange(len(six.acceleration)) / RATE
+    tones = 2 * np.sin(2 * np.pi * 100 * time) + 7 * np.sin(2 * np.pi * 400 * time)
+    part = indicators.band(tones, RATE, 50.0)
+    middle = slice(2000, -2000)
+    assert np.sqrt(np.mean(part[middle]**2)) == pytest.approx(np.sqrt(2), rel=0.01)
+    moved = indicators.band(tones, RATE, 50.0, quantity="displacement")
+    assert np.sqrt(np.mean(moved[middle]**2)) == pytest.approx(
+        np.sqrt(2) / (2 * np.pi * 100)**2, rel=0.01)
+    weak, strong = (indicators.indicator(train(50.0, axles(2), impact=impact).acceleration, RATE,
+                                         50.0) for impact in (20.0, 60.0))
+    assert strong == pytest.approx(3 * weak, rel=0.1)
+    with pytest.raises(read.Unreadable, match="contain only up to"):
+        indicators.band(tones, 400.0, 50.0)
+
+
+@pytest.fixture(scope="module", name="library")
+def library_of_trains():
+    def reference(name, places):
+        one = train(50.0, places)
+        return trains.Reference.of_passage(name, one.displacement, RATE, 50.0)
+    locomotive = np.concatenate([axles(1, 9.0, 19.0), 19.0 + axles(4)])
+    return trains.Library([reference("six", axles(6)), reference("locomotive", locomotive)])
+
+
+@pytest.mark.parametrize("speed", [23.4, 41.0, 58.7])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_trains_are_recognised(library, speed, seed):
+    one = train(speed, axles(6), impact=40.0)
+    found = library.identify(noisy(one, 0.01, seed), RATE)
+    assert found.name == "six" and found.similarity > trains.ACCEPTED
+    assert found.speed == pytest.approx(speed, abs=0.1)
+    assert found.direction == 0  # it looks the same from both ends
+
+
+def test_direction_of_a_train_with_a_locomotive(library):
+    places = np.concatenate([axles(1, 9.0, 19.0), 19.0 + axles(4)])
+    assert library.identify(train(45.0, places).acceleration, RATE).direction == 1
+    back = train(45.0, places[-1] - places[::-1])
+    found = library.identify(back.acceleration, RATE)
+    assert (found.name, found.direction) == ("locomotive", -1)
+
+
+def test_unknown_train_is_unknown(library):
+    freight = np.cumsum(np.tile([1.8, 5.2, 1.8, 4.1], 6))
+    found = library.identify(train(40.0, freight).acceleration, RATE)
+    assert found.name == "" and found.similarity < trains.ACCEPTED
+    noise = np.random.default_rng(3).standard_normal(20000)
+    assert library.identify(noise, RATE).name == ""
+
+
+@pytest.fixture(name="folder")
+def folder_of_passages(tmp_path):
+    """Four passages, one of which is no signal."""
+    folder = tmp_path / "passages"
+    folder.mkdir()
+    for number, speed in enumerate((30.0, 40.0, 50.0)):
+        one = train(speed, axles(2), 2000.0)
+        time = np.arange(len(one.acceleration)) / 2000.0
+        np.savetxt(folder / f"p{number}.csv", np.column_stack([time, one.acceleration]),
+                   delimiter=",", header="time_s,sleeper_m_s2", comments="")
+    (folder / "broken.csv").write_text("time_s,sleeper_m_s2\n", encoding="utf-8")
+    (folder / "passages.csv").write_text(
+        "file,begin,speed_m_s,temperature_C\np0.csv,2026-05-03,30,12.5\np1.csv,2026-05-01,40,\n"
+        "broken.csv,2026-05-02,40,\np2.csv,2026-05-04,,\n", encoding="utf-8")
+    return folder
+
+
+def rows_of(path):
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_batch_continues_and_reports_what_failed(folder, tmp_path):
+    table = tmp_path / "monitor.csv"
+    assert passages.batch(folder, table, None) == 4
+    whole = table.read_text(encoding="utf-8")
+    rows = rows_of(table)
+    assert [row["file"] for row in rows] == ["p0.csv", "p1.csv", "broken.csv", "p2.csv"]
+    assert float(rows[0]["peak_mm"]) > 0.5 and rows[0]["temperature_C"] == "12.5"
+    assert "no row of numbers" in rows[2]["remarks"]
+    assert rows[3]["remarks"] == "the speed is neither given nor recognised"
+    # Stopped within a line, with other workers; those that failed are tried again.
+    table.write_bytes(whole[:whole.index("broken") + 20].encode() + b"\xc3")
+    assert passages.batch(folder, table, None, workers=2) == 2
+    assert table.read_text(encoding="utf-8") == whole
+    (folder / "broken.csv").write_bytes((folder / "p1.csv").read_bytes())
+    assert passages.batch(folder, table, None) == 2
+    assert [row["peak_mm"] != "nan" for row in rows_of(table)] == [True, True, True, False]
+    shown = figures.table_of(table)
+    assert list(shown["file"]) == ["p1.csv", "broken.csv", "p0.csv", "p2.csv"]
+
+
+def test_remarks_on_speed_and_length(folder, library, tmp_path):
+    (folder / "passages.csv").write_text("file,speed_m_s\np0.csv,\np1.csv,45\n", encoding="utf-8")
+    one = train(50.0, axles(3))
+    short = trains.Library([trains.Reference.of_passage("three", one.displacement, RATE, 50.0)])
+    passages.batch(folder, tmp_path / "a.csv", short)
+    first, second = rows_of(tmp_path / "a.csv")
+    assert first["train"] == "three" and "25 m shorter than its reference" in first["remarks"]
+    assert "45 m/s is not that of the recognised train, 40 m/s" in second["remarks"]
+    passages.batch(folder, tmp_path / "b.csv", library)
+    assert rows_of(tmp_path / "b.csv")[0]["train"] == "unknown"
+
+
+def test_command_line(folder, tmp_path):
+    ran = conftest.call("monitor", folder, "-o", tmp_path / "out", "--workers", "1")
+    assert ran.returncode == 0, ran.stderr
+    assert "4 passages are new, 2 of 4 could not be evaluated" in ran.stdout
+    for name in ("monitor.csv", "trends.png", "passage.png"):
+        assert (tmp_path / "out" / name).stat().st_size > 100
+    for words, why in (((tmp_path / "none", "-o", tmp_path / "new"), "is no folder"),
+                       ((folder, "--workers", "0", "-o", tmp_path / "out"), "at least 1"),
+                       ((folder, "--wavelengths", "1", "1", "-o", tmp_path / "out"), "different"),
+                       ((folder, "--wavelengths", "2", "0.2", "-o", tmp_path / "out"),
+                        "choose another folder"),
+                       ((folder, "-o", folder), "choose another folder")):
+        failed = conftest.call("monitor", *words)
+        assert failed.returncode == 2 and why in failed.stderr, failed.stderr
+    for content, why in ((b"file,spead\np0.csv,3\n", "known are file, begin"),
+                         (b"file,begin\np0.csv,1,2\n", "more fields than names"),
+                         (b"file\np0.csv\np0.csv\n", "lists p0.csv more than once"),
+                         ("file,begin\np0.csv,März\n".encode("latin-1"), "is not in UTF-8"),
+                         (b"file\nbroken.csv\n", "no passage could be evaluated")):
+        (folder / "passages.csv").write_bytes(content)
+        failed = conftest.call("monitor", folder, "-o", tmp_path / why[:5])
+        assert failed.returncode == 2 and why in failed.stderr, failed.stderr
