@@ -299,9 +299,10 @@ FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "st
 def draw_all(runs, folder):
     """Draws every figure and the table into a write.Folder."""
     for name, draw in FIGURES.items():
-        parts = {"breakage": "breaks", "bonds": "bonds"}.get(name)
-        if parts and not any(getattr(run, parts) for run in runs):
-            continue  # a remark on every bed without breakage or bonds would not help
+        has = {"breakage": lambda run: run.breaks, "bonds": lambda run: run.bonds,
+               "energy_split": measures.has_balance}.get(name)
+        if has and not any(has(run) for run in runs):
+            continue  # a remark on every bed without what is optional would not help
         try:
             figure = draw(runs)
         except Missing as missing:

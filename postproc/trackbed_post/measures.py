@@ -521,3 +521,34 @@ def stages_of_breakage(run):
     if not broken:
         return None
     return names[max(names.index(broken[0]) - 1, 0)], names[-1]
+
+
+@dataclasses.dataclass
+class EnergySplit:
+    """Energies in J since the last stage began: supplied by surfaces, stored (kinetic, potential
+    and elastic), dissipated by cause, and what is missing of the balance."""
+    time: np.ndarray
+    supplied: np.ndarray
+    stored: np.ndarray
+    dissipated: dict
+
+    @property
+    def missing(self):
+        return self.supplied - self.stored - sum(self.dissipated.values())
+
+
+def has_balance(run):
+    return "friction" in run.energy and "supplied" in run.energy
+
+
+def energy_split(run):
+    rows = run.stage == run.stage[-1]
+
+    def since(name):
+        values = run.energy[name].values[rows].ravel()
+        return values - values[0]
+    dissipated = {name: since(name) for name in
+                  ("friction", "contact_damping", "local_damping", "breakage")
+                  if name in run.energy}
+    stored = sum(since(name) for name in ("kinetic", "potential", "elastic"))
+    return EnergySplit(run.time[rows] - run.time[rows][0], since("supplied"), stored, dissipated)

@@ -44,7 +44,7 @@ struct Results::Impl {
   }
   void append_to(io::File& file);  // the rows in memory
   void append_last_to(io::File& file) const;
-  void sample_energy(const dem::Totals& totals);
+  void sample_energy(const Scene& scene, bool placed_stones);
   void sample_sleepers(const track::Sleepers* sleepers, std::span<const double> seat_force);
   bool records(std::string_view part) const;
   void set_ground_columns(Dimension dimension);

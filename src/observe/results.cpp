@@ -18,6 +18,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "observe/column_writer.hpp"
 #include "observe/impl.hpp"
 #include "observe/layout.hpp"
 #include "trackbed/core/error.hpp"
@@ -41,12 +42,6 @@ std::vector<Column> sleeper_columns() {
           {"history/sleeper/seat_force",
            {"N", "vertical force on the rail seat, up positive (a load is negative)"}},
           {"history/sleeper/reaction", {"N", "vertical, of the stones, mean of the last window"}}};
-}
-
-std::vector<Column> energy_columns() {
-  return {{"history/energy/kinetic", {"J", "of the stones"}},
-          {"history/energy/potential", {"J", "of the stones, zero at z = 0"}},
-          {"history/energy/elastic", {"J", "of the stones' contacts"}}};
 }
 
 // Columns of one region: one number per cell, or the six of a tensor (xx yy zz xy xz yz).
@@ -110,7 +105,6 @@ bool Results::Impl::records(std::string_view part) const {
 void Results::begin(const Scene& scene, const Recorded& recorded) {
   Impl& impl = *impl_;
   impl.recorded = recorded;
-  if (scene.stones) impl.energy = energy_columns();
   for (const Region& region : recorded.regions)
     for (const Column& column : region_columns(region.name)) impl.region.push_back(column);
   if (scene.ground) impl.set_ground_columns(scene.particles.domain().dimension);
@@ -139,7 +133,7 @@ void Results::sample(const Scene& scene, const Instant& instant) {
   Impl& impl = *impl_;
   impl.times.push_back(instant.time);
   impl.stages.push_back(instant.stage);
-  if (scene.stones && impl.records("energy")) impl.sample_energy(scene.particles.totals());
+  if (scene.stones && impl.records("energy")) impl.sample_energy(scene, instant.placed != nullptr);
   if (!instant.seat_force.empty() && impl.records("sleeper"))
     impl.sample_sleepers(scene.sleepers, instant.seat_force);
   if (scene.ground && impl.records("ground")) impl.sample_ground(*scene.ground);
@@ -311,13 +305,31 @@ void Results::Impl::append_to(io::File& file) {
     for (Column& column : *group) column.last.swap(column.values), column.values.clear();
 }
 
-// In the order of energy_columns. Work against friction and dashpots is not included.
-void Results::Impl::sample_energy(const dem::Totals& totals) {
-  const double values[] = {totals.kinetic, totals.potential, totals.elastic};
-  for (std::size_t k = 0; k < 3; ++k) {
-    energy[k].width = 1;
-    energy[k].values.push_back(values[k]);
-  }
+void Results::Impl::sample_energy(const Scene& scene, bool placed_stones) {
+  const dem::Totals totals = scene.particles.totals();
+  ColumnWriter to(energy);
+  to.put("history/energy/kinetic", {"J", "of the stones"}, totals.kinetic);
+  to.put("history/energy/potential", {"J", "of the stones, zero at z = 0"}, totals.potential);
+  to.put("history/energy/elastic", {"J", "of the stones' contacts"}, totals.elastic);
+  if (!totals.account) return;
+  to.put("history/energy/friction",
+         {"J",
+          "dissipated by sliding, torsion and rolling, and by springs of Hertz contacts as they "
+          "change, up to now"},
+         totals.account->friction);
+  to.put("history/energy/contact_damping", {"J", "dissipated by dashpots up to now"},
+         totals.account->contact_damping);
+  to.put("history/energy/local_damping", {"J", "dissipated by local damping up to now"},
+         totals.account->local_damping);
+  const dem::BreakTotals broken = scene.particles.broken();
+  const double bonds = scene.bonds ? scene.particles.bonded().released : 0;
+  to.put("history/energy/breakage",
+         {"J", "elastic energy released and kinetic energy lost by breakage, up to now"},
+         broken.released + broken.lost + bonds);
+  // Placed stones and surfaces are driven: their histories have the work of all drives.
+  if (!placed_stones)
+    to.put("history/energy/supplied", {"J", "work of surfaces on the stones up to now"},
+           totals.account->supplied);
 }
 
 // Columns are zero until the sleepers are placed.

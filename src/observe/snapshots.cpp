@@ -108,7 +108,7 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
                          {"s, -, -, -, -, m, m, m, Pa, Pa, J",
                           "bonds that broke up to the end of the stage: time, both stones, number "
                           "of the [[bond]], 1 by shear or 0 by tension, x, y, z, tensile and shear "
-                          "stress, elastic energy"});
+                          "stress, elastic energy that damage took"});
     }
     if (cell > 0)
       file.write<double>("surface/" + stage + "/top", own, 3,

@@ -97,6 +97,7 @@ KNOBS = {
     "dem.safety": ("dem.safety=0.15", []),
     "dem.largest_overlap": ("dem.largest_overlap=1e-6", []),
     "dem.gravity": ("dem.gravity=9", []),
+    "dem.energy_balance": ("dem.energy_balance=true", []),
     "bed.stone": ("bed.stone=disk", []),
     "bed.material": ("bed.material=sleeper", ["material.1.density=2000"]),
     "bed.x": ("bed.x=[0.0, 0.45]", []),

@@ -105,6 +105,9 @@ def write(folder, wedge=True, ground=True):
     made |= {f"history/sleeper/{name}": one for name, one in histories(time, x).items()}
     made |= {f"history/energy/{name}": (scale * (1 + np.sin(time)), "J") for name, scale in
              (("kinetic", 1e-3), ("potential", 100.0), ("elastic", 2.0))}
+    made |= {f"history/energy/{name}": (scale * time, "J") for name, scale in
+             (("friction", 5.0), ("contact_damping", 2.0), ("local_damping", 1.0),
+              ("breakage", 0.5), ("supplied", 9.0))}
     made |= {f"history/region/slab/{name}": (np.concatenate(
         [np.atleast_2d(value) * np.ones((len(time), 1)) for value in one], axis=1), "-")
              for name, one in REGION.items()}

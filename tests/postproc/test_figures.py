@@ -69,6 +69,22 @@ def test_energy_has_one_zero_for_the_potential(runs):
     bed_on_ground.plt.close("all")
 
 
+def test_energy_is_split_since_the_last_stage_began(runs):
+    split = measures.energy_split(runs[0])
+    rows = runs[0].stage == 4
+    past = np.ptp(runs[0].time[rows])
+    stored = 102.001 * np.diff(np.sin(runs[0].time[rows][[0, -1]]))[0]
+    assert split.dissipated["friction"][-1] == pytest.approx(5 * past)
+    assert split.dissipated["breakage"][-1] == pytest.approx(0.5 * past)
+    assert split.missing[0] == 0
+    assert split.missing[-1] == pytest.approx((9 - 8.5) * past - stored)
+    axes = bed_on_ground.FIGURES["energy_split"](runs).axes
+    assert len(axes) == 2 and f"supplied {9 * past:.3g}" in axes[0].get_title()
+    labels = axes[0].get_legend_handles_labels()[1]
+    assert labels == ["friction", "dashpots", "local damping", "breakage", "supplied less stored"]
+    bed_on_ground.plt.close("all")
+
+
 def test_cells_of_a_region_are_weighted_by_their_stones_and_contacts(runs):
     run = runs[0]
     assert run.regions["slab"]["stress"].values.shape == (len(run.time), 2, 6)
@@ -246,7 +262,7 @@ def test_a_run_without_ground_draws_the_other_figures(tmp_path):
     bed_on_ground.draw_all([read.results(made.write(tmp_path / "bed", ground=False))], folder)
     assert {path.stem for path in folder.pictures} == {
         "sleepers", "spectrum", "energy", "force_chains", "regions", "forces", "grading",
-        "section", "breakage", "bonds", "sensors", "stress_paths", "support"}
+        "section", "breakage", "bonds", "sensors", "stress_paths", "support", "energy_split"}
     assert any(one.endswith(" has no ground, or no history of it") for one in folder.remarks)
 
 

@@ -87,7 +87,8 @@ OTHER_ROWS = {
     'region=[{name="below", x=[0.2,1.0], z=[0,0.15], cells=[3,1,2]}, {name="new"}]':
         'region[1].name = "new"',
     'sensor=[{name="stone", at=[0.5,0,0.1]}]': "must keep its regions and sensors",
-    'output.histories=["energy"]': "were chosen at the start"}
+    'output.histories=["energy"]': "were chosen at the start",
+    "dem.energy_balance=true": "begun with or without the balance of energy"}
 
 
 def check_resume(program, deck, folder):

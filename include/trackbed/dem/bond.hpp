@@ -52,13 +52,13 @@ struct BondBreak {
   bool by_shear = false;         // else by tension
   Vec3 position = Vec3::Zero();  // m
   double normal = 0, shear = 0;  // Pa, stresses of the undamaged bond
-  double energy = 0;             // J, elastic, when it broke
+  double energy = 0;             // J, elastic energy that damage took until it broke
 };
 
 struct BondTotals {
   std::int64_t made = 0, whole = 0;  // up to now; now
   std::int64_t by_tension = 0, by_shear = 0;
-  double released = 0;  // J, sum of the energies of those that broke
+  double released = 0;  // J, elastic energy that damage took, also of bonds that are whole
 };
 
 }  // namespace trackbed::dem

@@ -58,6 +58,7 @@ struct Parameters {
   double safety = 0.2;      // sub-step over sqrt(m/k) of the stiffest contact, lightest particle
   double largest_overlap = 0.2;  // of the smaller radius; beyond it the run stops
   double gravity = trackbed::gravity;
+  bool energy_balance = false;  // particles keep an EnergyAccount
   void declare(input::Section& s);
 };
 
@@ -96,6 +97,22 @@ struct ContactView {
   Vec3 point;                        // m, of contact, beside the first
 };
 
+// What the motion of particles has cost up to now, J: dissipated at contacts by friction (sliding,
+// torsion, rolling, and springs of Hertz contacts whose stiffness changes) and by dashpots (those
+// of bonds included), and by local damping; supplied by surfaces that move. Kinetic, potential and
+// elastic energy less what was supplied, plus what was dissipated, is constant up to errors of the
+// time step. Not included: particles that are added, removed, stopped, held, grow or break, and
+// surfaces that are taken away or rotate.
+struct EnergyAccount {
+  double friction = 0, contact_damping = 0, local_damping = 0, supplied = 0;
+
+  EnergyAccount& operator+=(const EnergyAccount& o) {
+    friction += o.friction, contact_damping += o.contact_damping;
+    local_damping += o.local_damping, supplied += o.supplied;
+    return *this;
+  }
+};
+
 // Sums over all ranks' particles and contacts, each counted once; bitwise identical for any number
 // of ranks.
 struct Totals {
@@ -105,6 +122,7 @@ struct Totals {
   double largest_overlap = 0;                                // m
   double unbalanced = 0;  // mean |net force| over mean contact force
   Vec3 momentum = Vec3::Zero(), surface_force = Vec3::Zero();
+  std::optional<EnergyAccount> account;  // none without Parameters::energy_balance
 };
 
 // Bytes. Contacts: neighbour lists, kept features, histories.

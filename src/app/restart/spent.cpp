@@ -79,6 +79,8 @@ std::string why_spent(std::string_view key, const model::Model& model, const Pos
     return "the histories of this run contain this region as it was defined at the start";
   if (at.same_run && key.starts_with("sensor["))
     return "the histories of this run contain this sensor as it was defined at the start";
+  if (at.same_run && key == "dem.energy_balance")
+    return "the histories of this run were begun with or without the balance of energy";
   if (at.same_run && key == "output.histories")
     return "the parts whose histories this run contains were chosen at the start";
   if (key.starts_with("bond[")) {

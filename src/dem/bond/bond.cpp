@@ -86,7 +86,7 @@ BondResponse respond(const Bond& bond, const BondParameters& p, const Domain& do
   r.energy = 0.5 * left * (force.dot(u) + moment.dot(phi));
   r.point = 0.5 * (at_i + at_j);
   r.elastic = axes * Vec3(left * force), r.twisting = axes * Vec3(left * moment);
-  r.force = r.elastic, r.moment = r.twisting;
+  r.force = r.elastic, r.moment = r.twisting, r.dissipated = 0;
   if (p.damping == 0) return r;
   const Vec3 v = j.v + j.w.cross(r.point - j.x) - i.v - i.w.cross(r.point - i.x);
   const Vec3 spin = axes.conjugate() * Vec3(j.w - i.w), speed = axes.conjugate() * v;
@@ -94,8 +94,10 @@ BondResponse respond(const Bond& bond, const BondParameters& p, const Domain& do
   const double c_r = 2 * p.damping * left * std::sqrt(reduced(i.inertia, j.inertia));
   const Vec3 roots(std::sqrt(k.normal), std::sqrt(k.shear), std::sqrt(k.shear));
   const Vec3 turning(std::sqrt(k.torsion), std::sqrt(k.bending), std::sqrt(k.bending));
-  r.force += axes * Vec3(c * roots.cwiseProduct(speed));
-  r.moment += axes * Vec3(c_r * turning.cwiseProduct(spin));
+  const Vec3 damping = c * roots.cwiseProduct(speed);
+  const Vec3 against_spin = c_r * turning.cwiseProduct(spin);
+  r.force += axes * damping, r.moment += axes * against_spin;
+  r.dissipated = damping.dot(speed) + against_spin.dot(spin);
   return r;
 }
 

@@ -16,12 +16,13 @@ struct Bond {
   double radius, length;       // m
   double beyond;               // m, beyond the balls around both stones, at which it breaks
   double worst;                // largest stress over strength up to now
+  double released;             // J, elastic energy that damage has taken up to now
 
   bool operator<(const Bond& o) const {
     return first != o.first ? first < o.first : second < o.second;
   }
 };
-inline constexpr int bond_numbers = 18;  // members of 8 bytes behind the three whole numbers
+inline constexpr int bond_numbers = 19;  // members of 8 bytes behind the three whole numbers
 
 // Area, m^2, and section moduli against bending and torsion, m^3.
 struct BondSection {
@@ -55,6 +56,7 @@ struct BondResponse {
   Vec3 elastic, twisting;  // of springs alone
   double normal, shear;    // Pa, of the undamaged bond; tension is positive
   double energy;           // J
+  double dissipated;       // W, by dampers
 };
 
 // With the damage that follows from bond.worst. The force derives from the energy of the springs,

@@ -37,7 +37,7 @@ template <bool rolls>
 
 }  // namespace
 
-template <bool rolls>
+template <bool rolls, bool accounts>
 void StoneLaw::respond_to(std::size_t number, Block& block, const WrenchLanes& w) {
   const State& s = scene_.state;
   const auto i = [&](std::size_t k) { return block.i[k]; };
@@ -81,8 +81,9 @@ void StoneLaw::respond_to(std::size_t number, Block& block, const WrenchLanes& w
              select(touching, fourth, zero)},
             [=](std::size_t k, Four row) { put(slot[k].*part, row); });
   };
-  leave(&PairForce::force, f.force, zero), leave(&PairForce::turn_i, f.turn_i, f.work);
-  leave(&PairForce::turn_j, f.turn_j, -f.work);
+  leave(&PairForce::force, f.force, accounts ? f.spent.damping : zero);
+  leave(&PairForce::turn_i, f.turn_i, accounts ? f.spent.friction : zero);
+  leave(&PairForce::turn_j, f.turn_j, accounts ? -f.spent.friction : zero);
 }
 
 void StoneLaw::respond(std::size_t number, Block& block, const WrenchLanes& w) {
@@ -92,9 +93,11 @@ void StoneLaw::respond(std::size_t number, Block& block, const WrenchLanes& w) {
     law_number_ = block.law;
   }
   if (rolls_)
-    respond_to<true>(number, block, w);
+    scene_.accounts ? respond_to<true, true>(number, block, w)
+                    : respond_to<true, false>(number, block, w);
   else
-    respond_to<false>(number, block, w);
+    scene_.accounts ? respond_to<false, true>(number, block, w)
+                    : respond_to<false, false>(number, block, w);
   // Over the smaller rounding, not the size: if it is exceeded the cores overlap.
   const Lanes half = larger(block.half, -block.half);
   worst_ = larger(w.M / (0.5 * block.reach - half), worst_);
@@ -110,7 +113,8 @@ double StoneLaw::largest_overlap() const {
 void add(const std::vector<PlaceOfPair>& order, const PairForces& forces, State& state) {
   const auto plus = [](Vec4& to, Four v) { put(to, four(to) + v); };
   const auto minus = [](Vec4& to, Four v) { put(to, four(to) - v); };
-  constexpr std::size_t ahead = 12;  // pairs: slots are in no order of addresses
+  const Four opposite = {-1, -1, -1, 1};  // what is dissipated has no direction
+  constexpr std::size_t ahead = 12;       // pairs: slots are in no order of addresses
   for (std::size_t n = 0; n < order.size(); ++n) {
     if (n + ahead < order.size() && order[n + ahead].slot != StoneBlocks::nowhere)
       for (const Vec4 PairForce::*part : {&PairForce::force, &PairForce::turn_j})
@@ -120,7 +124,7 @@ void add(const std::vector<PlaceOfPair>& order, const PairForces& forces, State&
     const PairForce& force = forces[pair.slot];
     const Four f = four(force.force);
     plus(state.f[pair.i], f), plus(state.t[pair.i], four(force.turn_i));
-    minus(state.f[pair.j], f), minus(state.t[pair.j], four(force.turn_j));
+    plus(state.f[pair.j], opposite * f), minus(state.t[pair.j], four(force.turn_j));
   }
 }
 

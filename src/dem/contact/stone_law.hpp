@@ -42,7 +42,7 @@ struct StoneForce {
   Triple<Real> force, turn_i, turn_j;  // on i; torque on j of the opposite force
   Triple<Real> friction;
   Real f_n, next, moment, k_n;  // force along -N, now and next, moment of torsion, N/m
-  Real work;  // J, done against friction and torsion in the step, what their springs store included
+  Dissipation<Real> spent;      // J, in the step
 };
 
 // Force on i: friction - f_n N, and torque x cross friction - f_n T + moment n; on j the opposite
@@ -86,12 +86,12 @@ template <bool rolls, class Real, class Yielding>
   // For the prediction of the next force, whether this contact may end or not: the other lanes must
   // not affect it.
   spring.mass = mass;
-  const Real remains = kept(h.size, c.size);
+  const Real softer = softening(h.size, c.size);
   const Touch<Real> touch{n, v, g.M, 0.5 * dot(g.wi + g.wj, n)};
   const Real ring = c.size * g.spread;
   const Triple<Real> spin = g.wi - g.wj;
-  const Twisting<Real> face{root(g.spread), dot(spin, n), kept(h.ring, ring)};
-  const auto contact = face_force(c, touch, spring, remains, face, dt, h.xi, h.turn);
+  const Twisting<Real> face{root(g.spread), dot(spin, n), softening(h.ring, ring)};
+  const auto contact = face_force(c, touch, spring, softer, face, dt, h.xi, h.turn);
   const Real f_n = contact.normal, moment = contact.moment;
   StoneForce<Real> out{contact.friction - f_n * g.N,
                        cross(g.x, contact.friction) - f_n * g.T + moment * n,
@@ -101,20 +101,22 @@ template <bool rolls, class Real, class Yielding>
                        contact.next,
                        moment,
                        c.k_n,
-                       -dt * (dot(contact.friction, v) + moment * face.rate)};
+                       contact.spent};
   if constexpr (rolls) {
     const Rolls<Real> t{
         n,          spin, touch.twist, f_n * length, contact.next * length, c.k_n, g.rolling_radius,
         g.root_mass};
-    const Triple<Real> m = rolling_moment(g.rolling, t, remains, dt, h.roll);
-    out.turn_i = out.turn_i + m, out.turn_j = out.turn_j + m;
+    const auto against = rolling_moment(g.rolling, t, softer, dt, h.roll);
+    out.turn_i = out.turn_i + against.moment, out.turn_j = out.turn_j + against.moment;
+    out.spent = out.spent + against.spent;
   }
   h.size = c.size, h.ring = ring;
   return out;
 }
 
-// Forces of a pair on its particles. The fourth number of the torques is the friction work, J,
-// which both particles get.
+// Forces of a pair on its particles. The fourth number of the force is what dashpots dissipate in
+// the step, that of the torques what friction does, J, or zero without accounts; both particles get
+// both.
 struct PairForce {
   Vec4 force, turn_i, turn_j;  // N on i, the opposite on j; Nm, turn_j is subtracted on j
 };
@@ -140,7 +142,7 @@ class StoneLaw {
   double largest_overlap() const;  // over the smaller radius
 
  private:
-  template <bool rolls>
+  template <bool rolls, bool accounts>
   void respond_to(std::size_t number, Block& block, const WrenchLanes& w);
 
   const Scene& scene_;

@@ -200,10 +200,27 @@ template <bool any_hertz, class Real, class Exact>
   }
 }
 
-// How much of the stretch of a spring remains when its stiffness becomes `now`.
+// Ratio of a spring's stiffness in the step before to that now.
 template <class Real>
-[[gnu::always_inline]] inline Real kept(Real before, Real now) {
-  return select(before < now, before / larger(now, Real{} + 1e-300), Real{} + 1.0);
+[[gnu::always_inline]] inline Real softening(Real before, Real now) {
+  return before / larger(now, Real{} + 1e-300);
+}
+// How much of its stretch remains.
+template <class Real>
+[[gnu::always_inline]] inline Real kept(Real softening) {
+  return smaller(softening, Real{} + 1.0);
+}
+
+// Energy that a contact dissipates in a step, J: by friction (sliders, and springs whose stiffness
+// changes) and by dashpots. It closes the balance of energy up to errors of the time step.
+template <class Real>
+struct Dissipation {
+  Real friction{}, damping{};
+};
+template <class Real>
+[[gnu::always_inline]] inline Dissipation<Real> operator+(const Dissipation<Real>& a,
+                                                          const Dissipation<Real>& b) {
+  return {a.friction + b.friction, a.damping + b.damping};
 }
 
 // By how much a force must be multiplied to be no larger than the limit.
@@ -218,9 +235,9 @@ template <class Vector, class Real>
 // A spring with dashpot in the tangent plane, whose force friction limits.
 template <class Real>
 struct Slider {
-  Real k, c;   // N/m, Ns/m
-  Real limit;  // N
-  Real kept;   // of the stretch, since the step before
+  Real k, c;       // N/m, Ns/m
+  Real limit;      // N
+  Real softening;  // since the step before
 };
 
 // What is predicted for a slider in the next step.
@@ -295,16 +312,44 @@ template <class Real>
   return select(near_end, remaining(force, v, xi, s.k, next, dt), Real{} + 1.0) * force;
 }
 
+// What a slider dissipates in a step at the rate v: the trapezoid's work of its spring less what
+// the spring stores, and the work of the rest of its force. `moved`: the stretch before the limit,
+// of which `stuck` remains.
+template <class Real, class Vector>
+[[gnu::always_inline]] inline Dissipation<Real> dissipation(const Slider<Real>& s, Real stuck,
+                                                            const Vector& moved, const Vector& v,
+                                                            const Vector& force, double dt) {
+  const Real slip = (1.0 + stuck) * dot(moved, moved) - dt * dot(v, moved);
+  return {0.5 * s.k * (1.0 - stuck) * slip, -dt * dot(force + (s.k * stuck) * moved, v)};
+}
+// J, that a change of stiffness takes from a spring.
+template <class Real>
+[[gnu::always_inline]] inline Real softening_loss(Real k, Real softening, Real square) {
+  const Real remains = kept(softening);
+  return 0.5 * k * (softening - remains * remains) * square;
+}
+
+// N, and what is dissipated.
+template <class Real>
+struct Friction {
+  Triple<Real> force;
+  Dissipation<Real> spent;
+};
+
 // Friction on i at the sliding velocity v (in the plane across n, m/s); moves the stretch xi (m) by
 // dt.
 template <class Real>
-[[gnu::always_inline]] inline Triple<Real> slide(const Slider<Real>& s, const NextStep<Real>& next,
-                                                 const Triple<Real>& n, const Triple<Real>& v,
-                                                 Real twist, double dt, Triple<Real>& xi) {
-  const Triple<Real> moved = stretched(xi, s.kept, n, v, twist, dt);
+[[gnu::always_inline]] inline Friction<Real> slide(const Slider<Real>& s,
+                                                   const NextStep<Real>& next,
+                                                   const Triple<Real>& n, const Triple<Real>& v,
+                                                   Real twist, double dt, Triple<Real>& xi) {
+  const Triple<Real> moved = stretched(xi, kept(s.softening), n, v, twist, dt);
   const auto friction = limited(s, moved, v);
+  const Real lost = softening_loss(s.k, s.softening, dot(xi, xi));
   xi = friction.stuck * moved;
-  return before_end(friction.force, s, next, v, xi, dt);
+  const Triple<Real> force = before_end(friction.force, s, next, v, xi, dt);
+  const auto spent = dissipation(s, friction.stuck, moved, v, force, dt);
+  return {force, {spent.friction + lost, spent.damping}};
 }
 
 // Slip of a face and its rotation about the normal times the arm of the face: m, m/s or N.
@@ -327,18 +372,19 @@ template <class Real>
 }
 
 // Rotation of a face: arm (root mean square distance of its points from their mean, m; 0: a corner,
-// which has no torsion), relative spin of i and j about n (rad/s), and how much of the angle
-// remains since the step before.
+// which has no torsion), relative spin of i and j about n (rad/s), and the softening of its spring
+// since the step before.
 template <class Real>
 struct Twisting {
-  Real arm, rate, kept;
+  Real arm, rate, softening;
 };
 
-// N, and Nm about n; on i.
+// N, and Nm about n; on i; and what is dissipated.
 template <class Real>
 struct FaceFriction {
   Triple<Real> force;
   Real moment;
+  Dissipation<Real> spent;
 };
 
 // Friction of a face and its moment about n, on i; moves the stretch xi (m) and the angle `turn`
@@ -356,22 +402,28 @@ template <class Real>
                                                        const Triple<Real>& n, const Triple<Real>& v,
                                                        Real twist, const Twisting<Real>& face,
                                                        double dt, Triple<Real>& xi, Real& turn) {
-  const Triple<Real> moved = stretched(xi, s.kept, n, v, twist, dt);
-  const Real turned = face.kept * turn + face.rate * dt;
-  const auto friction =
-      limited(s, InFace<Real>{moved, face.arm * turned}, InFace<Real>{v, face.arm * face.rate});
-  xi = friction.stuck * moved;
+  const Triple<Real> slipped = stretched(xi, kept(s.softening), n, v, twist, dt);
+  const Real turned = kept(face.softening) * turn + face.rate * dt;
+  const InFace<Real> moved{slipped, face.arm * turned}, rate{v, face.arm * face.rate};
+  const auto friction = limited(s, moved, rate);
+  const Real lost = softening_loss(s.k, s.softening, dot(xi, xi)) +
+                    softening_loss(s.k, face.softening, (face.arm * turn) * (face.arm * turn));
+  xi = friction.stuck * slipped;
   turn = select(face.arm > 0, friction.stuck * turned, Real{});
-  return {before_end(friction.force.slip, s, next, v, xi, dt), face.arm * friction.force.around};
+  const Triple<Real> force = before_end(friction.force.slip, s, next, v, xi, dt);
+  const auto spent =
+      dissipation(s, friction.stuck, moved, rate, InFace<Real>{force, friction.force.around}, dt);
+  return {force, face.arm * friction.force.around, {spent.friction + lost, spent.damping}};
 }
 
 // The normal force (along -n on i), half of its predicted value in the next step, N (of Hertz
-// contacts infinite: they lose their tangential stiffness before they open), and the sliding
-// velocity, m/s.
+// contacts infinite: they lose their tangential stiffness before they open), the sliding velocity,
+// m/s, and what the dashpot dissipates in the step, J.
 template <class Real>
 struct NormalForce {
   Real now, next;
   Triple<Real> sliding;
+  Real damping;
 };
 
 // Spring and dashpot act in parallel; their sum is cut, not the dashpot alone: damping may take
@@ -387,32 +439,35 @@ template <class Real>
   // an opening contact is smaller (`spring_force`).
   const Real slower = v_n - f_n * dt / larger(spring.mass, Real{} + 1e-300);
   const Real half = 0.5 * larger(f_n + c.k_n * dt * slower, Real{});
-  return {f_n, select(spring.linear > 0, half, Real{} + 1e300), t.v - v_n * t.n};
+  return {f_n, select(spring.linear > 0, half, Real{} + 1e300), t.v - v_n * t.n,
+          dt * (f_n - spring.force) * v_n};
 }
 
-// The slider of friction, of whose stretch `kept` remains. No friction from a contact that pulls.
+// The slider of friction. No friction from a contact that pulls.
 template <class Real>
 [[gnu::always_inline]] inline Slider<Real> friction_slider(const Coefficients<Real>& c, Real f_n,
-                                                           Real kept) {
-  return {c.k_s, c.c_s, c.mu * larger(f_n, Real{}), kept};
+                                                           Real softening) {
+  return {c.k_s, c.c_s, c.mu * larger(f_n, Real{}), softening};
 }
 
-// Friction on i, and the normal force as above.
+// Friction on i, the normal force as above, and what both dissipate.
 template <class Real>
 struct ContactForce {
   Triple<Real> friction;
   Real normal, next;
+  Dissipation<Real> spent;
 };
 template <class Real>
 [[gnu::always_inline]] inline ContactForce<Real> contact_force(const Coefficients<Real>& c,
                                                                const Touch<Real>& t,
                                                                const NormalSpring<Real>& spring,
-                                                               Real kept, double dt,
+                                                               Real softening, double dt,
                                                                Triple<Real>& xi) {
   const NormalForce<Real> f = normal_force(c, t, spring, dt);
   const NextStep<Real> then{c.mu * f.next, spring.mass};
-  return {slide(friction_slider(c, f.now, kept), then, t.n, f.sliding, t.twist, dt, xi), f.now,
-          f.next};
+  const auto friction =
+      slide(friction_slider(c, f.now, softening), then, t.n, f.sliding, t.twist, dt, xi);
+  return {friction.force, f.now, f.next, friction.spent + Dissipation<Real>{Real{}, f.damping}};
 }
 
 // The same of a face, with its moment of torsion about n on i.
@@ -420,18 +475,20 @@ template <class Real>
 struct FaceForce {
   Triple<Real> friction;
   Real moment, normal, next;
+  Dissipation<Real> spent;
 };
 template <class Real>
 [[gnu::always_inline]] inline FaceForce<Real> face_force(const Coefficients<Real>& c,
                                                          const Touch<Real>& t,
                                                          const NormalSpring<Real>& spring,
-                                                         Real kept, const Twisting<Real>& face,
+                                                         Real softening, const Twisting<Real>& face,
                                                          double dt, Triple<Real>& xi, Real& turn) {
   const NormalForce<Real> f = normal_force(c, t, spring, dt);
   const NextStep<Real> then{c.mu * f.next, spring.mass};
-  const auto friction =
-      slide(friction_slider(c, f.now, kept), then, t.n, f.sliding, t.twist, face, dt, xi, turn);
-  return {friction.force, friction.moment, f.now, f.next};
+  const auto friction = slide(friction_slider(c, f.now, softening), then, t.n, f.sliding, t.twist,
+                              face, dt, xi, turn);
+  return {friction.force, friction.moment, f.now, f.next,
+          friction.spent + Dissipation<Real>{Real{}, f.damping}};
 }
 
 // Resistance to rolling; with mu = 0 the slider carries nothing and its stretch stays zero.
@@ -451,6 +508,13 @@ struct Rolls {
   Real twist, f_n, next, k_n, radius, root_mass;
 };
 
+// Nm, and what is dissipated.
+template <class Real>
+struct RollingMoment {
+  Triple<Real> moment;
+  Dissipation<Real> spent;
+};
+
 // Moment on i against rolling, Nm, by an elastic spring, a dashpot and a slider (Ai, Chen, Rotter,
 // Ooi 2011, doi:10.1016/j.powtec.2010.09.030, model C; Iwashita, Oda 1998), in lengths instead of
 // angles:
@@ -462,15 +526,17 @@ struct Rolls {
 // moment works on nothing else, so that no energy is gained. Critical damping is that of the
 // inertia m_eff R^2 (a sphere on a plane has 7/5 of it).
 template <class Real>
-[[gnu::always_inline]] inline Triple<Real> rolling_moment(const Rolling<Real>& law,
-                                                          const Rolls<Real>& t, Real kept,
-                                                          double dt, Triple<Real>& roll) {
+[[gnu::always_inline]] inline RollingMoment<Real> rolling_moment(const Rolling<Real>& law,
+                                                                 const Rolls<Real>& t,
+                                                                 Real softening, double dt,
+                                                                 Triple<Real>& roll) {
   const Real k = law.stiffness * t.k_n;
   const Real c = 2.0 * law.zeta * root(k) * t.root_mass;
-  const Slider<Real> slider{k, c, law.mu * larger(t.f_n, Real{}), kept};
+  const Slider<Real> slider{k, c, law.mu * larger(t.f_n, Real{}), softening};
   const NextStep<Real> next{law.mu * t.next, t.root_mass * t.root_mass};
   const Triple<Real> v = t.radius * (t.spin - dot(t.spin, t.n) * t.n);
-  return t.radius * slide(slider, next, t.n, v, t.twist, dt, roll);
+  const Friction<Real> resistance = slide(slider, next, t.n, v, t.twist, dt, roll);
+  return {t.radius * resistance.force, resistance.spent};
 }
 
 }  // namespace trackbed::dem

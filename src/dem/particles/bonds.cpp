@@ -46,22 +46,26 @@ void Particles::Impl::compute_bond_forces(const SubStep& step) {
     const BondParameters& p = parameters_of(bond);
     const BondResponse r = respond_to(n);
     const double worst = utilisation(r, p);
+    const double whole = 1 - damage(bond.worst, p);
     if (worst > bond.worst) bond.worst = worst;
     const Vec3 apart = state.x[j].vec3() + shift - state.x[i].vec3();
     const bool torn = apart.norm() > state.x[i].w + state.x[j].w + bond.beyond;
     if (torn) bond.worst = std::numeric_limits<double>::infinity();
-    if (damage(bond.worst, p) >= 1) {
+    const double left = 1 - damage(bond.worst, p);
+    bond.released += (1 - left / whole) * r.energy;
+    if (left <= 0) {
       broke = true;
       if (i < state.own)
         bonding.breaks.push_back({elapsed + step.dt * step.number, bond.first, bond.second,
                                   static_cast<int>(bond.kind), !torn && by_shear(r, p), r.point,
-                                  r.normal, r.shear, r.energy});
+                                  r.normal, r.shear, bond.released});
       continue;
     }
     const auto add = [&](std::size_t b, const Vec3& centre, double sign) {
       if (b >= state.own) return;
       const Vec3 force = sign * r.force;
       state.f[b].set(state.f[b].vec3() + force);
+      state.f[b].w += step.dt * r.dissipated;
       state.t[b].set(state.t[b].vec3() + (r.point - centre).cross(force) + sign * r.moment);
     };
     add(i, state.x[i].vec3(), 1), add(j, state.x[j].vec3() + shift, -1);
@@ -300,8 +304,12 @@ BondTotals Particles::bonded() const {
     ++(each.by_shear ? total.by_shear : total.by_tension);
   total.whole = r.comm.sum(total.whole);
   total.by_tension = r.comm.sum(total.by_tension), total.by_shear = r.comm.sum(total.by_shear);
-  total.released = par::exact_totals(r.comm, {}, r.bonding.breaks.size(), [&](std::size_t k) {
-    return par::ExactTerm{0, r.bonding.breaks[k].energy};
+  std::vector<double> released;
+  for (const BondBreak& each : r.bonding.breaks) released.push_back(each.energy);
+  for (const Bond& bond : r.bonding.bonds)
+    if (r.own_number(bond.first)) released.push_back(bond.released);
+  total.released = par::exact_totals(r.comm, {}, released.size(), [&](std::size_t k) {
+    return par::ExactTerm{0, released[k]};
   })[0];
   return total;
 }

@@ -48,15 +48,16 @@ void Particles::Impl::save_bonds(io::File& file, const std::string& group) const
                            {"-", "ids of both stones, number of the [[bond]]"});
   file.write<double>(
       at + "/numbers", numbers, bond_numbers,
-      {"m (6), - (8), m, m, m, -",
+      {"m (6), - (8), m, m, m, -, J",
        "of each bond: its place from both centres of mass, in principal axes; quaternions x y z w "
        "from its axes to those of both stones; radius; length; length beyond the balls around "
-       "both stones at which it breaks; largest stress over strength"});
+       "both stones at which it breaks; largest stress over strength; elastic energy that damage "
+       "has taken"});
   file.write<double>(
       at + "/breaks", breaks, bond_break_columns,
       {"s, -, -, -, -, m, m, m, Pa, Pa, J",
        "bonds that broke: time, both stones, number of the [[bond]], 1 by shear or 0 "
-       "by tension, x, y, z, tensile and shear stress, elastic energy"});
+       "by tension, x, y, z, tensile and shear stress, elastic energy that damage took"});
   file.attribute(group, "bonds_begun", static_cast<std::int64_t>(bonding.any));
   file.attribute(group, "bonds_made", bonding.made);
   file.attribute(group, "bonds_longest", bonding.longest);

@@ -64,6 +64,10 @@ void Particles::save(io::File& file, const std::string& group) const {
   file.attribute(group, "growing", r.state.growing);
   file.attribute(group, "grown", r.state.grown);
   file.attribute(group, "load_quantum", r.load_quantum);
+  file.attribute(group, "removed_friction", r.removed.friction);
+  file.attribute(group, "removed_contact_damping", r.removed.contact_damping);
+  file.attribute(group, "removed_local_damping", r.removed.local_damping);
+  file.attribute(group, "removed_supplied", r.removed.supplied);
   r.save_breakage(file, group);
   r.save_bonds(file, group);
 }
@@ -124,6 +128,10 @@ void Particles::load(const io::File& file, const std::string& group) {
   r.rebuilds = file.integer_attribute(group, "rebuilds");
   r.local_damping = file.number_attribute(group, "local_damping");
   r.load_quantum = file.number_attribute(group, "load_quantum");
+  r.removed = {file.number_attribute(group, "removed_friction"),
+               file.number_attribute(group, "removed_contact_damping"),
+               file.number_attribute(group, "removed_local_damping"),
+               file.number_attribute(group, "removed_supplied")};
   // Last: the work of the first partition is counted from the waiting histories.
   r.choose_grid(r.work());
 }

@@ -9,6 +9,7 @@
 
 #include "dem/bond/bonding.hpp"
 #include "dem/contact/stones.hpp"
+#include "dem/lanes/rows.hpp"
 #include "dem/law/laws.hpp"
 #include "dem/particles/breaking.hpp"
 #include "dem/search/grid.hpp"
@@ -20,6 +21,8 @@
 #include "trackbed/par/halo.hpp"
 
 namespace trackbed::dem {
+
+class Kick;  // kick.hpp
 
 // The sub-step `number` (from 1) of the `count` of a window; fraction = number / count of the
 // window has passed at its end.
@@ -36,7 +39,7 @@ struct PatchLoad {
   std::span<const double> weights;
   double k_n;        // N/m
   double f_n, next;  // N, along the normal: now and least value in the next step
-  double kept;       // fraction of the stretch of springs kept since the step before
+  double softening;  // of springs since the step before
 };
 
 // The rank's particles with all derived data. A checkpoint holds the state, the templates,
@@ -56,9 +59,16 @@ struct Particles::Impl {
   double motion_since_rebuild(std::size_t b) const;  // m, of a surface point
   void kick(double dt, int halves);
   double local_damping_of(std::size_t b) const;
-  void update_spin(std::size_t b);  // w from l and q, always by this formula
+  void account_for_local_damping(const Kick& kick, int halves);
+  Four spin_from(std::size_t b, Four l) const;  // always by this formula
+  void update_spin(std::size_t b);
+  void update_accounts();
   // pair_contacts.cpp, surface_contacts.cpp
-  Scene scene() const { return {state, shapes, grid, laws, pieces, skin}; }
+  Scene scene() const { return {state, shapes, grid, laws, pieces, skin, accounts()}; }
+  // Whether what contacts dissipate is of use.
+  bool accounts() const {
+    return parameters.energy_balance || (breaking.active && breaking.parameters.wears());
+  }
   // Forces and torques on own particles, at the present poses; histories advance by one sub-step.
   void compute_pair_forces(double dt);
   void gather_near_pairs(const std::vector<Vec4>& piece_x, double dt);  // if they may be too few
@@ -72,6 +82,8 @@ struct Particles::Impl {
   void apply_ball_contact(Approach& a, const MeshContact& c, const SubStep& step);
   double apply_patch_contact(Approach& a, std::span<const MeshContact> contacts, double rounding,
                              const SubStep& step);
+  // measure.cpp: of all ranks; collective.
+  EnergyAccount total_of(std::span<const Vec4> accounts) const;
   struct PatchMotion;  // surface_contacts.cpp
   void load_patch(const Approach& a, std::span<const MeshContact> contacts,
                   const PatchMotion& patch, const Wrench& w, const StoneForce<double>& f,
@@ -81,6 +93,7 @@ struct Particles::Impl {
                       const Vec3& motion, const SubStep& step);
   void add_rolling_resistance(const Approach& a, Approach::Patch& patch, const PatchLoad& load,
                               const SubStep& step);
+  void account(std::size_t b, const Dissipation<double>& spent);
   void add_to_node(Surface& surface, int triangle, std::size_t k, const Vec3& force,
                    const SubStep& step);
   void update_surface_paths();  // path lengths, at the begin of a window
@@ -257,6 +270,7 @@ struct Particles::Impl {
   // Of all particles; below 0: each material's own.
   double local_damping = -1;
   SurfaceAction action;
+  EnergyAccount removed;  // of particles that were removed; the same on all ranks
   std::string trouble;
   std::int64_t steps = 0, rebuilds = 0;
   double elapsed = 0;  // s, simulated since the particles exist

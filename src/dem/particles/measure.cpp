@@ -175,6 +175,16 @@ std::int64_t neighbours(std::vector<std::pair<Id, Id>>& touching) {
 
 }  // namespace
 
+EnergyAccount Particles::Impl::total_of(std::span<const Vec4> accounts) const {
+  constexpr std::size_t columns = 4;
+  const auto term = [&](std::size_t k) {
+    const Vec4& a = accounts[k / columns];
+    return par::ExactTerm{k % columns, std::array{a.x, a.y, a.z, a.w}[k % columns]};
+  };
+  const auto sums = par::exact_totals(comm, {columns, columns}, columns * accounts.size(), term);
+  return {sums[0], sums[1], sums[2], sums[3]};
+}
+
 // `unbalanced` is 1 without contacts: free fall is not equilibrium.
 Totals Particles::totals() const {
   const Impl& r = *impl_;
@@ -202,6 +212,10 @@ Totals Particles::totals() const {
   total.kinetic = exact_total(r.comm, terms.kinetic);
   total.potential = exact_total(r.comm, terms.potential);
   total.elastic = exact_total(r.comm, terms.elastic);
+  if (r.parameters.energy_balance) {
+    total.account = r.total_of(std::span(r.state.account).first(r.state.own));
+    *total.account += r.removed;
+  }
   total.momentum = exact_total(r.comm, terms.momentum);
   total.surface_force = exact_total(r.comm, terms.force);
   const double mean_contact = mean(exact_total(r.comm, terms.contact), total.contacts);

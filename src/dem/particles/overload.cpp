@@ -334,10 +334,11 @@ void Particles::Impl::find_cuts(int steps_of_window) {
   if (p.wears()) find_worn();
 }
 
-// Work of friction on stones that may wear, in a sub-step.
+// What friction dissipates on stones that may wear, in a sub-step.
 void Particles::Impl::add_friction_work() {
   if (!breaking.active || !breaking.parameters.wears()) return;
-  for (std::size_t b = 0; b < state.own; ++b) state.rubbed[b] += state.t[b].w;
+  for (std::size_t b = 0; b < state.own; ++b)
+    if (may_wear(b)) state.rubbed[b] += state.t[b].w;
 }
 
 // Stones whose wear has reached a step, unless they break now. A stone that is nearly a ball wears

@@ -67,6 +67,7 @@ struct BlockLaws {
 struct BlockForce {
   Lanes3 force, turn_i, turn_j;
   Mask beyond;  // overlaps larger than allowed
+  Dissipation<Lanes> spent;
 };
 
 // The law on all lanes.
@@ -80,7 +81,7 @@ struct BlockForce {
 // centres have no normal; none is assumed, and the overlap ends the run. The partner is brought to
 // the image beside i by its shift; raw positions are subtracted first and the shift is added to the
 // difference, in this order on every rank. A distance that is not a number gives no contact.
-template <bool spheres, bool hertz, bool rolls>
+template <bool spheres, bool hertz, bool rolls, bool accounts>
 [[gnu::always_inline]] inline BlockForce respond(const Arrays& a, const NearPairs& near,
                                                  const BlockLaws& laws, const Bodies<spheres>& at,
                                                  PairBlock& b, Lanes* size, Lanes3* rolled,
@@ -118,8 +119,8 @@ template <bool spheres, bool hertz, bool rolls>
   const NormalSpring<Lanes> spring =
       spring_force<hertz>(laws.springs, c, OverlapMotion<Lanes>{delta, rate, turning},
                           end_mass(b.root_mass * b.root_mass), radius, dt);
-  const Lanes remains = hertz ? kept(*size, c.size) : all(1);
-  const auto contact = contact_force(c, touch, spring, remains, dt, b.xi);
+  const Lanes softer = hertz ? softening(*size, c.size) : all(1);
+  const auto contact = contact_force(c, touch, spring, softer, dt, b.xi);
   const Lanes3 none{};
   const Lanes3 force = select(touches, contact.friction - contact.normal * n, none);
   // Torques are masked as well: a lost partner's arm is not a number, nor is its product with zero.
@@ -128,17 +129,26 @@ template <bool spheres, bool hertz, bool rolls>
   Lanes3 turn_i = ci * moment, turn_j = cj * moment;
   if constexpr (!spheres)
     turn_i = turn_i + cross(to_i, force), turn_j = turn_j + cross(to_j, force);
-  BlockForce out{force, select(touches, turn_i, none), select(touches, turn_j, none),
-                 touches & (delta > allowed * smaller(b.ri, b.rj))};
+  BlockForce out{force,
+                 select(touches, turn_i, none),
+                 select(touches, turn_j, none),
+                 touches & (delta > allowed * smaller(b.ri, b.rj)),
+                 {}};
   if (limit) out.beyond = out.beyond | (touches & (delta > *limit));
   // A moment of a pair: opposite on j; the sign is applied where torques are added.
   if constexpr (rolls) {
     const Rolls<Lanes> t{n,     wi - wj, touch.twist, contact.normal, contact.next,
                          c.k_n, radius,  b.root_mass};
-    const Lanes3 against =
-        select(touches, rolling_moment(laws.rolling, t, remains, dt, *rolled), none);
+    const auto resistance = rolling_moment(laws.rolling, t, softer, dt, *rolled);
+    const Lanes3 against = select(touches, resistance.moment, none);
     out.turn_i = out.turn_i + against, out.turn_j = out.turn_j + against;
     *rolled = select(touches, *rolled, none);
+    if constexpr (accounts) out.spent = resistance.spent;
+  }
+  if constexpr (accounts) {
+    out.spent = out.spent + contact.spent;
+    out.spent.friction = select(touches, out.spent.friction, Lanes{});
+    out.spent.damping = select(touches, out.spent.damping, Lanes{});
   }
   // A contact that opens loses its springs at once: a stone that touches again has no history, on
   // any rank and after any rebuild.
@@ -149,19 +159,25 @@ template <bool spheres, bool hertz, bool rolls>
 
 // Adds forces in the order of the list, one pair after the other: neighbours in the list share
 // particles, so lanes must not add at once. Ghosts collect forces that their owners compute as
-// well; these are dropped.
-template <bool spheres>
+// well; these are dropped. `accounts`: the fourth numbers are what is dissipated, which both
+// particles get.
+template <bool spheres, bool accounts>
 [[gnu::always_inline]] inline void add(const Arrays& a, const Bodies<spheres>& at,
                                        const BlockForce& b) {
   Four force[lanes], turn_i[lanes], turn_j[lanes];
-  const auto to = [](const Lanes3& v, Four* row) {
-    to_rows({v.x, v.y, v.z, Lanes{}}, [&](std::size_t k, Four value) { row[k] = value; });
+  const auto to = [](const Lanes3& v, Lanes fourth, Four* row) {
+    to_rows({v.x, v.y, v.z, fourth}, [&](std::size_t k, Four value) { row[k] = value; });
   };
-  to(b.force, force), to(b.turn_i, turn_i), to(b.turn_j, turn_j);
+  const Lanes none{};
+  to(b.force, accounts ? b.spent.damping : none, force);
+  to(b.turn_i, accounts ? b.spent.friction : none, turn_i);
+  to(b.turn_j, accounts ? -b.spent.friction : none, turn_j);
+  constexpr Four opposite = {-1, -1, -1, 1};
   for (std::size_t k = 0; k < lanes; ++k) {
     const std::size_t i = at.i(k), j = at.j(k);
     put(a.f[i], four(a.f[i]) + force[k]), put(a.t[i], four(a.t[i]) + turn_i[k]);
-    put(a.f[j], four(a.f[j]) - force[k]), put(a.t[j], four(a.t[j]) - turn_j[k]);
+    put(a.f[j], accounts ? four(a.f[j]) + opposite * force[k] : four(a.f[j]) - force[k]);
+    put(a.t[j], four(a.t[j]) - turn_j[k]);
   }
 }
 
@@ -178,7 +194,7 @@ double worst_of(const Arrays& a, const NearPairs& near, const PairBlock& b) {
 }
 
 // Returns the largest overlap over the smaller radius if it is larger than `allowed`, else 0.
-template <bool spheres, bool hertz, bool rolls, bool breaks>
+template <bool spheres, bool hertz, bool rolls, bool breaks, bool accounts>
 double pair_loop(const Arrays& a, const LawTable& table, NearPairs& near, double dt,
                  double allowed) {
   double worst = 0;
@@ -188,10 +204,10 @@ double pair_loop(const Arrays& a, const LawTable& table, NearPairs& near, double
     PairBlock& b = near.blocks[n];
     const Bodies<spheres> at{b, a.body};
     if (!near.one_law) laws.set(b.law);
-    const BlockForce force = respond<spheres, hertz, rolls>(
+    const BlockForce force = respond<spheres, hertz, rolls, accounts>(
         a, near, laws, at, b, hertz ? &near.size[n] : nullptr, rolls ? &near.roll[n] : nullptr, dt,
         allowed, breaks ? &near.limit[n] : nullptr);
-    add(a, at, force);
+    add<spheres, accounts>(a, at, force);
     if (breaks && any(force.beyond)) near.over.push_back(n);
     if (any(force.beyond)) worst = std::max(worst, worst_of(a, near, b));
   }
@@ -200,16 +216,22 @@ double pair_loop(const Arrays& a, const LawTable& table, NearPairs& near, double
 
 // The loop compiled for these shapes and laws. If one law is Hertz's, all contacts use the loop
 // that computes both; the same holds for rolling. Spheres alone do not break.
-template <bool... kinds>
-constexpr auto loop_of = pair_loop<kinds...>;
+template <bool accounts>
 auto loop_for(bool spheres, bool hertz, bool rolls, bool breaks) {
-  constexpr decltype(&pair_loop<false, false, false, false>) loops[] = {
-      loop_of<false, false, false, false>, loop_of<false, false, true, false>,
-      loop_of<false, true, false, false>,  loop_of<false, true, true, false>,
-      loop_of<true, false, false, false>,  loop_of<true, false, true, false>,
-      loop_of<true, true, false, false>,   loop_of<true, true, true, false>,
-      loop_of<false, false, false, true>,  loop_of<false, false, true, true>,
-      loop_of<false, true, false, true>,   loop_of<false, true, true, true>};
+  constexpr auto loop = []<bool... kinds>() { return &pair_loop<kinds..., accounts>; };
+  static constexpr decltype(&pair_loop<false, false, false, false, accounts>) loops[] = {
+      loop.template operator()<false, false, false, false>(),
+      loop.template operator()<false, false, true, false>(),
+      loop.template operator()<false, true, false, false>(),
+      loop.template operator()<false, true, true, false>(),
+      loop.template operator()<true, false, false, false>(),
+      loop.template operator()<true, false, true, false>(),
+      loop.template operator()<true, true, false, false>(),
+      loop.template operator()<true, true, true, false>(),
+      loop.template operator()<false, false, false, true>(),
+      loop.template operator()<false, false, true, true>(),
+      loop.template operator()<false, true, false, true>(),
+      loop.template operator()<false, true, true, true>()};
   return loops[(breaks ? 8 : 4 * spheres) + 2 * hertz + rolls];
 }
 
@@ -292,7 +314,9 @@ void Particles::Impl::compute_pair_forces(double dt) {
   gather_near_pairs(spheres ? state.x : pieces.x, dt);
   const bool breaks = !near.limit.empty();
   near.over.clear();
-  const auto loop = loop_for(spheres, laws.any_hertz(), laws.any_rolls(), breaks);
+  const auto loop = parameters.energy_balance
+                        ? loop_for<true>(spheres, laws.any_hertz(), laws.any_rolls(), breaks)
+                        : loop_for<false>(spheres, laws.any_hertz(), laws.any_rolls(), breaks);
   double worst = loop(a, laws, near, dt, parameters.largest_overlap);
   watch_near_pairs();
   if (shapes.any_stones())

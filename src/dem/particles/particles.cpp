@@ -35,6 +35,9 @@ void Parameters::declare(input::Section& s) {
            "corners: the smaller rounding radius); above this value the run stops.");
   s.number("gravity", gravity, {.unit = "m/s2", .at_least = 0, .usually_to = 100},
            "Gravitational acceleration along -z.");
+  s.flag("energy_balance", energy_balance,
+         "Whether the energies dissipated by friction and damping and supplied by surfaces are "
+         "summed up; they are histories beside those of the stones' energies.");
 }
 
 namespace {
@@ -106,7 +109,10 @@ std::int64_t Particles::remove(const std::function<bool(const ParticleView&)>& s
   for (std::size_t b = 0; b < r.state.own; ++b)
     if (selected((*this)[b])) removed.push_back(b);
   std::vector<Id> gone;
-  for (const std::size_t b : removed) gone.push_back(r.state.id[b]);
+  std::vector<Vec4> accounts;
+  for (const std::size_t b : removed)
+    gone.push_back(r.state.id[b]), accounts.push_back(r.state.account[b]);
+  if (r.parameters.energy_balance) r.removed += r.total_of(accounts);
   gone = r.comm.all_gather(std::span<const Id>(gone));
   std::sort(gone.begin(), gone.end());
   const auto is_gone_id = [&](Id id) { return std::binary_search(gone.begin(), gone.end(), id); };

@@ -56,17 +56,18 @@ void rotate_ball(Vec4& attitude, const Vec4& w, double dt) {
 }
 }  // namespace
 
-// w = I^-1 L in space axes. Ghosts receive the value of their owner afterwards: L is not sent.
+// w = I^-1 L in space axes.
+Four Particles::Impl::spin_from(std::size_t b, Four l) const {
+  if (shapes.only_spheres()) return spin_of_sphere(l);
+  if (domain.dimension == Dimension::plane) return Four{0, l[1] / state.inertia[b].y, 0, 0};
+  Vec4 momentum;
+  put(momentum, l);
+  return four(spin_of(state.q[b], momentum, state.inertia[b]));
+}
+
+// Ghosts receive the value of their owner afterwards: L is not sent.
 void Particles::Impl::update_spin(std::size_t b) {
-  Vec4& w = state.w[b];
-  const Vec4 &l = state.l[b], &inertia = state.inertia[b];
-  if (shapes.only_spheres()) {
-    put(w, spin_of_sphere(four(l)));
-  } else if (domain.dimension == Dimension::plane) {
-    w = {0, l.y / inertia.y, 0, 0};
-  } else {
-    w = spin_of(state.q[b], l, inertia);
-  }
+  put(state.w[b], spin_from(b, four(state.l[b])));
 }
 
 double Particles::Impl::local_damping_of(std::size_t b) const {
@@ -74,8 +75,38 @@ double Particles::Impl::local_damping_of(std::size_t b) const {
   return physics.materials[static_cast<std::size_t>(state.material[b])].local_damping;
 }
 
+// The energy that the impulse of local damping takes out in each half kick: its product with the
+// mean of the velocities before and after, and the same of rotation.
+void Particles::Impl::account_for_local_damping(const Kick& kick, int halves) {
+  if (!parameters.energy_balance) return;
+  const auto product = [](Four a, Four b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+  for (std::size_t b = 0; b < state.own; ++b) {
+    const double alpha = local_damping_of(b);
+    if (state.held[b] != 0 || !(alpha > 0)) continue;
+    Four v = four(state.v[b]), l = four(state.l[b]);
+    for (int k = 0; k < halves; ++k) {
+      Four free_v = v, free_l = l;
+      const Four v_before = v, l_before = l;
+      kick(free_v, free_l, four(state.f[b]), four(state.t[b]), 1, 0);
+      kick(v, l, four(state.f[b]), four(state.t[b]), 1, alpha);
+      state.account[b].z += 0.5 * mass(b) * product(free_v - v, v_before + v) +
+                            0.5 * product(free_l - l, spin_from(b, l_before) + spin_from(b, l));
+    }
+  }
+}
+
+// After all forces of a sub-step are known. Each particle of a pair gets half.
+void Particles::Impl::update_accounts() {
+  if (!parameters.energy_balance) return;
+  for (std::size_t b = 0; b < state.own; ++b) {
+    Vec4& account = state.account[b];
+    account.x += 0.5 * state.t[b].w, account.y += 0.5 * state.f[b].w;
+  }
+}
+
 void Particles::Impl::kick(double dt, int halves) {
   const Kick kick(dt, parameters.gravity, domain.dimension);
+  account_for_local_damping(kick, halves);
   for (std::size_t b = 0; b < state.own; ++b) {
     if (state.held[b] != 0) continue;
     Four v = four(state.v[b]), l = four(state.l[b]);
@@ -115,6 +146,7 @@ void Particles::Impl::drift_in_space(double dt) {
 // for the next evaluation of contacts.
 void Particles::Impl::kick_and_drift_spheres(double dt, int halves) {
   const Kick kick(dt, parameters.gravity, domain.dimension);
+  account_for_local_damping(kick, halves);
   const Four step = {dt, dt, dt, 0};
   double motion = 0, speed = 0;  // squares
   for (std::size_t b = 0; b < state.own; ++b) {
@@ -202,6 +234,10 @@ void Particles::Impl::substep(const SubStep& step) {
   if (bonding.any) {
     const auto timing = scope(Phase::pair_forces);
     compute_bond_forces(step);
+  }
+  {
+    const auto timing = scope(Phase::integration);
+    update_accounts();
   }
   ++steps;
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "dem/contact/stone_law.hpp"
 #include "dem/particles/impl.hpp"
@@ -65,6 +66,15 @@ Approach::Patch& patch_record(Approach& a, int patch) {
 
 }  // namespace
 
+// What a contact with a surface dissipates is the particle's alone; of the sums of a sub-step it
+// gets half in `update_accounts`, as in a contact with another particle.
+void Particles::Impl::account(std::size_t b, const Dissipation<double>& spent) {
+  state.t[b].w += spent.friction;
+  state.f[b].w += spent.damping;
+  if (!parameters.energy_balance) return;
+  state.account[b].x += 0.5 * spent.friction, state.account[b].y += 0.5 * spent.damping;
+}
+
 // `force` acts on the particle; the opposite is added to the nodes, which move by `motion` (m) at
 // the contact, and to the window's action. The moment is summed by the caller, which has the arm.
 void Particles::Impl::add_to_surface(const Approach& a, const MeshContact& c, const Vec3& force,
@@ -115,15 +125,16 @@ void Particles::Impl::apply_ball_contact(Approach& a, const MeshContact& c, cons
           : 1 / (1 / mass(b) + inverse_mass_of_turning(state, b, triple(arm.cross(c.normal))));
   const NormalSpring<double> spring = spring_force<true>(
       law, k, OverlapMotion<double>{touch.delta, rate}, end_mass(mass_at_end), piece.w, step.dt);
-  const double remains = kept(patch.size, k.size);
+  const double softer = softening(patch.size, k.size);
   Triple<double> xi = triple(patch.xi.vec3());
-  const auto contact = contact_force(k, touch, spring, remains, step.dt, xi);
+  const auto contact = contact_force(k, touch, spring, softer, step.dt, xi);
   patch.xi.set(vec3(xi)), patch.size = k.size;
   if (!breaking.strength.empty())
     watch(p, laws[static_cast<std::size_t>(a.law)], piece.w, touch.delta);
   const Vec3 force = vec3(contact.friction) - contact.normal * c.normal, torque = arm.cross(force);
   state.f[b].set(state.f[b].vec3() + force);
   state.t[b].set(state.t[b].vec3() + torque);
+  account(b, contact.spent);
   add_to_surface(a, c, force, motion, step);
   action.force -= force;
   action.moment -= (state.x[b].vec3() + a.shift).cross(force) + torque;
@@ -131,7 +142,7 @@ void Particles::Impl::apply_ball_contact(Approach& a, const MeshContact& c, cons
   if (laws.any_rolls())
     add_rolling_resistance(
         a, patch,
-        {std::span(&c, 1), std::span(&whole, 1), k.k_n, contact.normal, contact.next, remains},
+        {std::span(&c, 1), std::span(&whole, 1), k.k_n, contact.normal, contact.next, softer},
         step);
 }
 
@@ -256,14 +267,14 @@ double Particles::Impl::apply_patch_contact(Approach& a, std::span<const MeshCon
     return inverse_mass_of_turning(state, b, triple(w.T));
   };
   const StoneForce<double> f = respond<false>(g, yielding, step.dt, h);
-  const double remains = kept(patch.size, h.size);
+  const double softer = softening(patch.size, h.size);
   patch.xi.set(vec3(h.xi)), patch.turn = h.turn, patch.size = h.size, patch.ring = h.ring;
   load_patch(a, contacts, on_patch, w, f, step);
-  state.t[b].w += f.work;
+  account(b, f.spent);
   if (laws.any_rolls())
     add_rolling_resistance(
         a, patch,
-        {contacts, on_patch.slope, f.k_n, f.f_n * w.N.norm(), f.next * w.N.norm(), remains}, step);
+        {contacts, on_patch.slope, f.k_n, f.f_n * w.N.norm(), f.next * w.N.norm(), softer}, step);
   return w.M / rounding;
 }
 
@@ -332,8 +343,13 @@ void Particles::Impl::compute_surface_forces(const SubStep& step) {
     }
     Approach& a = approaches[n];
     for (Approach::Patch& patch : a.patches) patch.touching = false;
+    // Of this contact alone: the sum over a rank's contacts would be rounded otherwise on others.
+    const double work = std::exchange(action.work, 0);
     const double overlap =
         has_corners(a.piece) ? touch_with_corners(a, step) : touch_with_ball(a, step);
+    const auto b = static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(a.piece)]);
+    if (parameters.energy_balance) state.account[b].w -= action.work;
+    action.work += work;
     if (overlap > worst) worst = overlap, deepest = &a;
     // A patch that is not in contact any more loses its history. As between particles, the springs
     // vanish at once.

@@ -72,10 +72,11 @@ void Particles::Impl::add_rolling_resistance(const Approach& a, Approach::Patch&
                             radius,
                             std::sqrt(mass(b))};
   Triple<double> roll{patch.roll.x, patch.roll.y, patch.roll.z};
-  const auto m = rolling_moment(laws[static_cast<std::size_t>(a.law)].rolling, rolls, load.kept,
-                                step.dt, roll);
+  const auto resistance = rolling_moment(laws[static_cast<std::size_t>(a.law)].rolling, rolls,
+                                         load.softening, step.dt, roll);
   patch.roll = {roll.x, roll.y, roll.z, 0};
-  const Vec3 moment(m.x, m.y, m.z);
+  const Vec3 moment = vec3(resistance.moment);
+  account(b, resistance.spent);
   state.t[b].set(state.t[b].vec3() + moment);
   action.moment -= moment;
   for (std::size_t k = 0; k < couples.size(); ++k) {

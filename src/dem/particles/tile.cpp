@@ -153,6 +153,7 @@ void Particles::tile(const io::File& file, const std::string& group, const Tilin
     r.state.shape[b] = shapes.at(static_cast<std::size_t>(r.state.shape[b]));
     r.state.material[b] = tiling.materials.at(static_cast<std::size_t>(r.state.material[b]));
     r.state.x[b].x = begin + (static_cast<double>(k) * pitch + cell.x[rows[b]]);
+    r.state.account[b] = {};
   }
   r.state.own = mine.count;
   r.derive(0);

@@ -111,7 +111,8 @@ struct Scene {
   const Grid& grid;
   const LawTable& laws;
   const Pieces& pieces;
-  double skin;  // m
+  double skin;    // m
+  bool accounts;  // whether contacts compute what they dissipate
 };
 
 // `history` sorted; entries take theirs from it.

@@ -25,8 +25,11 @@ struct State {
   std::vector<Vec4> q;             // attitude, unit quaternion
   std::vector<Vec4> v;             // m/s; w: mass
   std::vector<Vec4> l;  // kg m^2/s, angular momentum in space axes; w: 1 over the moment about y
-  std::vector<Vec4> f;  // N, from contacts, at the time of x
-  std::vector<Vec4> t;  // Nm; w: J, friction work of this sub-step, of pieces with corners
+  // The fourth numbers of f and t are what dashpots and friction dissipate at the particle's
+  // contacts in this sub-step, J, if that is of use (Particles::Impl::accounts).
+  std::vector<Vec4> f;         // N, from contacts, at the time of x
+  std::vector<Vec4> t;         // Nm
+  std::vector<Vec4> account;   // J, see EnergyAccount, since the particle exists
   std::vector<double> rubbed;  // J, friction work of which the wear is not yet taken off
   // Derived
   std::vector<Vec4> w;        // rad/s, spin in space axes at the time of v in the force loop
@@ -88,6 +91,10 @@ constexpr void visit_all(S& s, Visit&& visit) {
   visit(Quantity<1, nothing>{"friction_work", "J",
                              "done by friction on stones that wear, whose wear is still to come"},
         s.rubbed);
+  visit(Quantity<4, nothing>{"energy_account", "J",
+                             "columns: dissipated by friction, by dashpots of contacts, by local "
+                             "damping; supplied by surfaces; of a pair half each"},
+        s.account);
   visit(Quantity<3, each_step, Storage::derived>{"spin", "rad/s", "in space axes"}, s.w);
   visit(Quantity<3, nothing, Storage::derived>{"inertia", "kg m2", "principal moments"}, s.inertia);
 }

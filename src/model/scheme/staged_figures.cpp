@@ -138,6 +138,18 @@ double imbalance(const FigureInput& run) {
   return ratio(comm.max(work) * comm.size(), comm.sum(work));
 }
 
+// Placed stones and surfaces are driven: their histories have the work of all drives instead.
+Json energy_figures(const dem::Totals& totals, bool placed) {
+  Json json = {
+      {"kinetic", totals.kinetic}, {"potential", totals.potential}, {"elastic", totals.elastic}};
+  if (!totals.account) return json;
+  json["friction"] = totals.account->friction;
+  json["contact_damping"] = totals.account->contact_damping;
+  json["local_damping"] = totals.account->local_damping;
+  if (!placed) json["supplied"] = totals.account->supplied;
+  return json;
+}
+
 }  // namespace
 
 // Local: differences are summed over ranks when the figures are made.
@@ -197,9 +209,7 @@ void put_figures(const FigureInput& run, Json& json) {
   if (run.wheels.any)
     json["track"] = {{"wheel_force_max_n", run.wheels.most},
                      {"wheel_force_min_n", run.wheels.least}};
-  if (stones)
-    json["energy"] = {
-        {"kinetic", totals.kinetic}, {"potential", totals.potential}, {"elastic", totals.elastic}};
+  if (stones) json["energy"] = energy_figures(totals, run.world.placement.has_value());
   if (run.world.model.breakage.any()) {
     const dem::BreakTotals broken = run.world.particles.broken();
     json["breakage"] = {{"fragments", broken.fragments},

@@ -220,7 +220,7 @@ TEST(ContactLaw, TheForceOfAHertzSpringNeverGrowsByItself) {
     c.size = size, c.k_n = c.k_s = 1e6 * size;
     const Touch<double> touch{{0, 0, 1}, {}, 1e-4, 0};
     const auto contact = contact_force(c, touch, NormalSpring<double>{c.k_n * 1e-4, 0, 0},
-                                       kept(before, size), 1e-6, xi);
+                                       softening(before, size), 1e-6, xi);
     before = size;
     return contact.friction.x;
   };

@@ -140,12 +140,12 @@ Response<Real> respond(const Move<Real>& m, double dt, Contact<Real>& h) {
   const NormalSpring<Real> spring = spring_force<true>(
       m.springs, c, OverlapMotion<Real>{m.delta, m.rate}, end_mass(moved * moved), r, dt);
   const Touch<Real> touch{m.n, m.sliding + m.rate * m.n, m.delta, m.turning};
-  const Real remains = kept(h.size, c.size), ring = c.size * m.spread;
-  const Twisting<Real> face{root(m.spread), m.twisting, kept(h.ring, ring)};
-  const auto contact = face_force(c, touch, spring, remains, face, dt, h.xi, h.turn);
+  const Real softer = softening(h.size, c.size), ring = c.size * m.spread;
+  const Twisting<Real> face{root(m.spread), m.twisting, softening(h.ring, ring)};
+  const auto contact = face_force(c, touch, spring, softer, face, dt, h.xi, h.turn);
   Response<Real> out{contact.friction, {}, contact.normal, contact.moment};
   const Rolls<Real> rolls{m.n, m.spin, m.turning, contact.normal, contact.next, c.k_n, r, weight};
-  out.against_rolling = rolling_moment(m.rolling, rolls, remains, dt, h.roll);
+  out.against_rolling = rolling_moment(m.rolling, rolls, softer, dt, h.roll).moment;
   h.size = c.size, h.ring = ring;
   return out;
 }
