@@ -1,6 +1,7 @@
 """Condition monitoring: passages whose displacement and acceleration are known in closed form."""
 import csv
 import dataclasses
+import datetime
 
 import conftest
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 import scipy.signal
 
 from trackbed_post import measured, read
-from trackbed_post.monitor import displacement, figures, indicators, passages, trains
+from trackbed_post.monitor import displacement, figures, indicators, passages, trains, trends
 
 RATE = 5000.0
 BOGIE, CENTRES, LENGTH = 2.9, 17.0, 25.0  # m
@@ -291,6 +292,44 @@ def test_batch_continues_and_reports_what_failed(folder, tmp_path):
     assert list(shown["file"]) == ["p1.csv", "broken.csv", "p0.csv", "p2.csv"]
 
 
+def history(seed, growth, count=200):
+    """A table of passages in a year, whose indicator grows and depends on temperature."""
+    random = np.random.default_rng(seed)
+    days = np.sort(random.uniform(0, 365, count))
+    warmth = 10 - 12 * np.cos(2 * np.pi * days / 365) + random.normal(0, 2, count)
+    value = (10 * (1 + growth * days / 365) + 0.1 * (warmth - 10)
+             + random.normal(0, 0.5, count) + 20 * (random.uniform(size=count) < 0.05))
+    first = datetime.datetime(2026, 1, 1)
+    begins = [(first + datetime.timedelta(days=day)).isoformat() for day in days]
+    order = {name: value for name in trends.QUANTITIES}
+    return order | {"train": np.array(["six"] * count), "begin": np.array(begins),
+                    "temperature_C": warmth, "misfit": np.ones(count)}
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_trends_without_growth_raise_no_alarm(seed):
+    for one in trends.trends(history(seed, 0.0)):
+        assert not one.alarm
+        assert one.per_degree == pytest.approx(0.1, abs=0.03)
+        assert one.scatter == pytest.approx(0.5, rel=0.3)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_growth_raises_an_alarm(seed):
+    for one in trends.trends(history(seed, 0.5)):
+        assert one.alarm and one.change == pytest.approx(0.5, abs=0.15)
+        assert one.per_month == pytest.approx(5 / 12, rel=0.2)
+
+
+def test_trends_need_passages_and_dates():
+    few = {name: values[:10] for name, values in history(1, 0.0).items()}
+    assert trends.trends(few) == []
+    undated = history(1, 0.0) | {"begin": np.array(["monday"] * 200),
+                                 "temperature_C": np.full(200, np.nan)}
+    for one in trends.trends(undated):
+        assert np.isnan(one.per_month) and np.isnan(one.per_degree) and not one.alarm
+
+
 def test_remarks_on_speed_and_length(folder, library, tmp_path):
     (folder / "passages.csv").write_text("file,speed_m_s\np0.csv,\np1.csv,45\n", encoding="utf-8")
     one = train(50.0, axles(3))
@@ -307,8 +346,8 @@ def test_command_line(folder, tmp_path):
     ran = conftest.call("monitor", folder, "-o", tmp_path / "out", "--workers", "1")
     assert ran.returncode == 0, ran.stderr
     assert "4 passages are new, 2 of 4 could not be evaluated" in ran.stdout
-    for name in ("monitor.csv", "trends.png", "passage.png"):
-        assert (tmp_path / "out" / name).stat().st_size > 100
+    for name in ("monitor.csv", "trends.png", "passage.png", "trends.csv"):
+        assert (tmp_path / "out" / name).stat().st_size > 60
     for words, why in (((tmp_path / "none", "-o", tmp_path / "new"), "is no folder"),
                        ((folder, "--workers", "0", "-o", tmp_path / "out"), "at least 1"),
                        ((folder, "--wavelengths", "1", "1", "-o", tmp_path / "out"), "different"),

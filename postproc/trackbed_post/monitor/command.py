@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from trackbed_post import measured, read
-from trackbed_post.monitor import figures, passages
+from trackbed_post.monitor import figures, passages, trends
 
 TABLE, SETTINGS = "monitor.csv", "monitor.json"
 
@@ -33,6 +33,10 @@ def monitor(source, folder, runs, wavelengths, workers):
     folder.remarks += [f"{path}: {count} passages are new, {len(failed)} of {len(files)} could not "
                        "be evaluated", *reasons]
     folder.picture("trends", figures.trends(table, wavelengths))
+    found = trends.trends(table)
+    folder.file("trends.csv", trends.text_of(found))
+    folder.remarks += [f"alarm: {one.quantity} of {one.train} has changed by "
+                       f"{100 * one.change:+.0f} %" for one in found if one.alarm]
     first = int(np.flatnonzero(np.isfinite(table["peak_mm"]))[0])
     folder.picture("passage", figures.passage(measured.load(source / str(files[first])),
                                               float(table["speed_m_s"][first]),

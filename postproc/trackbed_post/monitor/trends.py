@@ -1,0 +1,97 @@
+"""Change of peak and indicators over many passages: per month and per degree, and alarms.
+
+Of each train with enough passages a line is fitted over time and temperature, robustly, as single
+passages may be far off (soft L1 loss of scipy.optimize.least_squares). An alarm needs that the
+latest passages differ from the first ones by more than a part of these and by more than the scatter
+explains; temperature is taken out before.
+"""
+import dataclasses
+import datetime
+import math
+
+import numpy as np
+import scipy.optimize
+
+from trackbed_post.monitor import displacement
+
+QUANTITIES = ("peak_mm", "displacement_mm", "acceleration_m_s2")
+AVERAGED = 7      # passages in a mean, as in the thesis
+LEAST = 2 * AVERAGED
+WARMER = 5.0      # degrees between the coldest and the warmest tenth, or temperature is left out
+CHANGED = 0.2     # least change of the latest mean, relative to the first
+ERRORS = 4.0      # least change over its standard error
+MONTH = 365.25 / 12  # days
+
+
+@dataclasses.dataclass(frozen=True)
+class Trend:
+    """Of a quantity of a train: number of passages, mean, change in a month and in a degree (not a
+    number if dates or temperatures are not known), standard deviation of a passage, relative change
+    of the latest mean to the first, and whether it is an alarm."""
+    train: str
+    quantity: str
+    passages: int
+    mean: float
+    per_month: float
+    per_degree: float
+    scatter: float
+    change: float
+    alarm: bool
+
+
+NAMES = [field.name for field in dataclasses.fields(Trend)]
+
+
+def days_of(begins):
+    """Days since the first date; not numbers if they are no dates of ISO 8601."""
+    try:
+        times = [datetime.datetime.fromisoformat(text) for text in begins]
+        return np.array([(time - times[0]).total_seconds() / 86400 for time in times])
+    except (ValueError, TypeError, IndexError):
+        return np.full(len(begins), math.nan)
+
+
+def trends(table):
+    """Trends of a table of passages (figures.table_of), sorted by their begin."""
+    found = []
+    for train in sorted(set(table["train"]) - {"unknown"}):
+        rows = (table["train"] == train) & (table["misfit"] <= displacement.TRUSTED)
+        if rows.sum() < LEAST:
+            continue
+        days, warmth = days_of(table["begin"][rows]), table["temperature_C"][rows]
+        found += [trend(train, quantity, table[quantity][rows], days, warmth)
+                  for quantity in QUANTITIES]
+    return found
+
+
+def trend(train, quantity, values, days, warmth):
+    dated = bool(np.all(np.isfinite(days)) and np.ptp(days) > 0)
+    time = days / MONTH if dated else np.arange(len(values))
+    columns = [np.ones(len(values)), time - time.mean()]
+    known = bool(np.all(np.isfinite(warmth)) and
+                 np.ptp(np.quantile(warmth, (0.1, 0.9))) >= WARMER)
+    if known:
+        columns.append(warmth - warmth.mean())
+    system, scale = np.column_stack(columns), np.median(np.abs(values - np.median(values))) or 1.0
+    start = np.zeros(len(columns))
+    start[0] = np.median(values)
+    fit = scipy.optimize.least_squares(lambda x: (system @ x - values) / scale, start,
+                                       loss="soft_l1").x
+    residual = values - system @ fit
+    scatter = 1.4826 * float(np.median(np.abs(residual)))  # of a normal distribution
+    level = values - (fit[-1] * columns[-1] if known else 0)
+    first, latest = np.median(level[:AVERAGED]), np.median(level[-AVERAGED:])
+    error = 1.25 * scatter * np.sqrt(2 / AVERAGED)  # of a difference of medians
+    change = float(latest / first - 1) if first > 0 else math.nan
+    return Trend(train, quantity, len(values), float(fit[0]),
+                 float(fit[1]) if dated else math.nan, float(fit[-1]) if known else math.nan,
+                 scatter, change,
+                 bool(abs(change) > CHANGED and abs(latest - first) > ERRORS * error))
+
+
+def text_of(found):
+    """As CSV, with a line of names."""
+    def text(value):
+        return f"{value:.6g}" if isinstance(value, float) else str(value)
+    rows = [",".join(text(getattr(one, name)) for name in NAMES) for one in found]
+    return "\n".join([",".join(NAMES), *rows]) + "\n"
