@@ -25,6 +25,7 @@ SERIES = tuple((tonnes, kmh) for tonnes in (20, 25, 17) for kmh in (120, 150, 60
 RIG = (17, 300)  # load and speed of the test rig
 LIGHT = "light_sleepers"  # run whose sleepers have a tenth of the mass, nearly the study's walls
 SINE, SINE_STRESS, SINE_SPEED = 16.6, 250e3, 160 / 3.6  # Hz, Pa, m/s, of the load of one sleeper
+CYCLES = 5  # of it, the last of which counts: the first ones rearrange the bed
 # Corners that break off become fines: fragments smaller than the sub-ballast would make the
 # sub-step shorter. The short form has fewer, larger stones and spheres.
 FORMS = {"full": ("breakage.least_size=0.0198",),
@@ -87,9 +88,9 @@ def runs(form, ranks):
 
 
 def prepare(program, folder):
-    """The load of a sleeper whose stress is one haversine."""
+    """The load of a sleeper whose stress is a row of haversines."""
     del program
-    time = np.linspace(0, 1 / SINE, 61)
+    time = np.linspace(0, CYCLES / SINE, 60 * CYCLES + 1)
     rows = "".join(f"{t:.6g},{SINE_STRESS * AREA * np.sin(np.pi * SINE * t)**2:.6g}\n"
                    for t in time)
     (folder / "sine.csv").write_text("time_s,force_N\n" + rows, encoding="utf-8")
@@ -290,15 +291,19 @@ def measure_rotation(name, found, numbers, lines):
 
 
 def measure_path(name, found, numbers, lines):
-    """Changes of stress, kPa, below sleeper 3 while a haversine passes from sleeper to sleeper."""
-    middle = found.sleepers[MIDDLE]
-    vertical, horizontal, shear = (1e-3 * found.below(middle, DEPTHS[0], COMPONENTS[of])
+    """Changes of stress, kPa, below sleeper 3 in the last of the haversines that pass from sleeper
+    to sleeper: half a cycle before and behind the last peak of its load."""
+    middle, load = found.sleepers[MIDDLE], found.seat[:, MIDDLE]
+    peak = found.time[np.flatnonzero(load > 0.98 * load.max())[-1]]
+    rows = np.abs(found.time - peak) < 0.5 / SINE
+    vertical, horizontal, shear = (1e-3 * found.below(middle, DEPTHS[0], COMPONENTS[of])[rows]
                                    for of in ("vertical", "horizontal", "shear"))
     deviator, shear = vertical - horizontal, shear - shear[0]
     deviator = deviator - deviator[0]
     top = int(np.argmax(deviator))
-    lines.put("sine, time", "vertical - horizontal", found.time, deviator)
-    lines.put("sine, time", "shear", found.time, shear)
+    time = found.time[rows] - found.time[rows][0]
+    lines.put("sine, time", "vertical - horizontal", time, deviator)
+    lines.put("sine, time", "shear", time, shear)
     lines.put("sine, path", "below sleeper 3", deviator, 2 * shear)
     numbers.put(name, "largest deviator", deviator[top], "kPa")
     numbers.put(name, "shear then", shear[top], "kPa")
