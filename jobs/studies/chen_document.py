@@ -6,8 +6,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 from .chen import (AS_LARGE, CARRIAGE, CYCLES, DECK, DEPTHS, EXTREMES, HEIGHT,  # noqa: E402
-                   LIGHT, LOADS, MIDDLE, PACKINGS, RIG, SPEEDS, TOTAL, faster, growth, has_series,
-                   name_of, of)
+                   LIGHT, LOADS, MIDDLE, PACKINGS, RIG, SINE, SINE_SPEED, SINE_STRESS, SPEEDS,
+                   TOTAL, faster, growth, has_series, name_of, of)
 from .study import COLOURS, heading, percent, save, table  # noqa: E402
 
 TITLE = "chen: five sleepers on ballast that breaks, under carriages that pass"
@@ -215,9 +215,8 @@ Pressure of the ballast on the sub-ballast, kPa, weight included:
 Mean speed of all stones while a front wheel is above sleeper 3, mm/s:
 
 {by_case("mean speed", ".1f")}
-By the study's impact factor the load of a seat grows by 37 % from 60 to 150 km/h, and the pressure
-on the sub-ballast with it ({pressure:+.0f} %). A pressure that stays the same beyond 90 km/h, as
-published, would need another load.
+By the study's impact factor the load of a seat grows by {faster(n, 25, "largest load"):.0f} % from
+60 to 150 km/h; the pressure on the sub-ballast, weight included, grows by {pressure:.0f} %.
 """
 
 
@@ -225,12 +224,11 @@ def part_path(n):
     return heading("Single load and test rig") + f"""
 ![Stress path below sleeper 3 under a haversine that passes](path.png)
 
-{CYCLES} haversines of 250 kPa and 16.6 Hz act on one sleeper after the other at 160 km/h. In the
-last of them the change of shear 0.1 m below sleeper 3 is
-{n("haversine", "largest shear before"):.0f} kPa before the largest deviator
+{CYCLES} haversines of {1e-3 * SINE_STRESS:.0f} kPa and {SINE} Hz act on one sleeper after the
+other at {3.6 * SINE_SPEED:.0f} km/h. In the last of them the change of shear {DEPTHS[0]:g} m below
+sleeper {MIDDLE + 1} is {n("haversine", "largest shear before"):.0f} kPa before the largest deviator
 ({n("haversine", "largest deviator"):.0f} kPa), {n("haversine", "shear then"):.0f} kPa at that
-moment and
-{n("haversine", "largest shear after"):.0f} kPa behind it.
+moment and {n("haversine", "largest shear after"):.0f} kPa behind it.
 
 The test rig's measurements (17 t, 300 km/h) are published as figures and not compared. The stress
 below sleeper 3 has the M with {n(name_of(*RIG, PACKINGS[0]), "frequency of the M"):.1f} Hz
@@ -246,12 +244,15 @@ def part_servo(n):
                                   ("ballast on sub-ballast, kPa", "ballast on sub-ballast", ".1f")):
         rows.append((title, *(f"{n(name, quantity):{form}}"
                               for name in (name_of(25, 120, PACKINGS[0]), LIGHT))))
+    size = DECK["sleepers"]
+    mass = (size["width"] * size["height"] * size["length"] *
+            DECK["material"][2]["density"])  # kg
     return heading("Pressure kept by a servo") + f"""
 The study's sleepers are walls that a servo moves until the pressure below them is the prescribed
 one. Ours are bodies under the same load, whose inertia is the difference. With a tenth of their
 mass (25 t, 120 km/h, packing {PACKINGS[0]}):
 
-{table(("", "sleepers of 44 kg", "of 4.4 kg"), rows)}"""
+{table(("", f"sleepers of {mass:.0f} kg", f"of {mass / 10:.1f} kg"), rows)}"""
 
 
 def part_missing(n):

@@ -113,10 +113,6 @@ def support(runs):
     return figure
 
 
-DISSIPATED = {"friction": "friction", "contact_damping": "dashpots",
-              "local_damping": "local damping", "breakage": "breakage"}
-
-
 def energy_split(runs):
     """What was dissipated since the last stage began, by cause, beside what surfaces supplied less
     what the stones store."""
@@ -126,14 +122,14 @@ def energy_split(runs):
                                   figsize=(6 * len(runs) + 2, 5))
     for run, panel in zip(runs, panels[0]):
         split = measures.energy_split(run)
-        names = [name for name in DISSIPATED if name in split.dissipated]
-        panel.stackplot(split.time, [split.dissipated[name] for name in names],
-                        labels=[DISSIPATED[name] for name in names], alpha=0.8)
+        panel.stackplot(split.time, split.dissipated.values(), alpha=0.8,
+                        labels=measures.DISSIPATED.values())
         panel.plot(split.time, split.supplied - split.stored, color="k", lw=1, ls="--",
                    label="supplied less stored")
-        shares = ", ".join(f"{DISSIPATED[name]} {split.dissipated[name][-1]:.3g}" for name in names)
+        parts = ", ".join(f"{measures.DISSIPATED[name]} {values[-1]:.3g}"
+                          for name, values in split.dissipated.items())
         panel.set_title(f"{run.name}, last stage (J): supplied {split.supplied[-1]:.3g},\n"
-                        f"{shares}; missing {split.missing[-1]:.2g}", fontsize=9)
+                        f"{parts}; missing {split.missing[-1]:.2g}", fontsize=9)
         panel.set_xlabel("time since the last stage began (s)")
         panel.grid(alpha=0.3)
     panels[0, 0].set_ylabel("energy (J)")

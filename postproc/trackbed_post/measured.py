@@ -37,6 +37,11 @@ class Signal:
     remarks: tuple
     doubtful: np.ndarray = None
 
+    @property
+    def rate(self):
+        """Samples per second."""
+        return 1 / float(np.mean(np.diff(self.time)))
+
 
 def unit_of(name):
     """(factor to SI, SI unit) by the longest ending of the name that is known."""

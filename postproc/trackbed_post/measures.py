@@ -541,14 +541,16 @@ def has_balance(run):
     return "friction" in run.energy and "supplied" in run.energy
 
 
+DISSIPATED = {"friction": "friction", "contact_damping": "dashpots",
+              "local_damping": "local damping", "breakage": "breakage"}  # history: cause
+
+
 def energy_split(run):
     rows = run.stage == run.stage[-1]
 
     def since(name):
         values = run.energy[name].values[rows].ravel()
         return values - values[0]
-    dissipated = {name: since(name) for name in
-                  ("friction", "contact_damping", "local_damping", "breakage")
-                  if name in run.energy}
+    dissipated = {name: since(name) for name in DISSIPATED}
     stored = sum(since(name) for name in ("kinetic", "potential", "elastic"))
     return EnergySplit(run.time[rows] - run.time[rows][0], since("supplied"), stored, dissipated)

@@ -97,12 +97,12 @@ struct ContactView {
   Vec3 point;                        // m, of contact, beside the first
 };
 
-// What the motion of particles has cost up to now, J: dissipated at contacts by friction (sliding,
-// torsion, rolling, and springs of Hertz contacts whose stiffness changes) and by dashpots (those
-// of bonds included), and by local damping; supplied by surfaces that move. Kinetic, potential and
-// elastic energy less what was supplied, plus what was dissipated, is constant up to errors of the
-// time step. Not included: particles that are added, removed, stopped, held, grow or break, and
-// surfaces that are taken away or rotate.
+// Energy up to now, J: dissipated at contacts by friction (sliding, torsion, rolling, and springs
+// of Hertz contacts whose stiffness changes) and by dashpots (those of bonds included), and by
+// local damping; supplied by surfaces that move. Kinetic, potential and elastic energy less what
+// was supplied, plus what was dissipated, is constant up to errors of the time step. Not included:
+// particles that are added, removed, stopped, held, grow or break, and surfaces that are taken away
+// or rotate.
 struct EnergyAccount {
   double friction = 0, contact_damping = 0, local_damping = 0, supplied = 0;
 

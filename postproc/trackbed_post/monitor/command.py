@@ -1,4 +1,6 @@
 """The command `trackbed_post monitor`."""
+import csv
+import io
 import json
 import math
 
@@ -34,7 +36,9 @@ def monitor(source, folder, runs, wavelengths, workers):
                        "be evaluated", *reasons]
     folder.picture("trends", figures.trends(table, wavelengths))
     found = trends.trends(table)
-    folder.file("trends.csv", trends.text_of(found))
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([trends.NAMES, *map(passages.texts, found)])
+    folder.file("trends.csv", text.getvalue())
     folder.remarks += [f"alarm: {one.quantity} of {one.train} has changed by "
                        f"{100 * one.change:+.0f} %" for one in found if one.alarm]
     first = int(np.flatnonzero(np.isfinite(table["peak_mm"]))[0])

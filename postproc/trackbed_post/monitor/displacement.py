@@ -66,7 +66,7 @@ def reconstruct(acceleration, rate, speed, method="smoothing", doubtful=None):
     acceleration = np.asarray(acceleration, float)
     refuse_useless(acceleration, rate, speed, method)
     loudness = loudness_of(acceleration, rate, speed)
-    at_rest = rests(loudness)
+    at_rest = rests(loudness, loudness.max())
     cells = Cells(acceleration, rate, speed, loudness, doubtful)
     if at_rest.mean() < LEAST_REST or np.sum(cells.at_rest) < OFFSET + 3:
         raise read.Unreadable(f"the sleeper rests for {100 * at_rest.mean():.2g} % of the record, "
@@ -102,8 +102,8 @@ def refuse_useless(acceleration, rate, speed, method):
         raise read.Unreadable("the acceleration is constant: no train is recorded")
 
 
-def rests(loudness):
-    return loudness < THRESHOLD * loudness.max()
+def rests(loudness, largest):
+    return loudness < THRESHOLD * largest
 
 
 def noise_of(acceleration, rate, speed, at_rest):
@@ -152,7 +152,7 @@ def by_high_pass(acceleration, rate, speed, at_rest):
     level = acceleration - fit(time)
     every = max(int(rate * SLOW / (4 * speed)), 1)
     slow = scipy.signal.resample_poly(level, 1, every)
-    rests = at_rest[::every][:len(slow)]
+    slow_at_rest = at_rest[::every][:len(slow)]
 
     def based(signal, step, rest, above):
         found = integrated(signal, 1 / step, above)
@@ -162,7 +162,7 @@ def by_high_pass(acceleration, rate, speed, at_rest):
         return found - scipy.signal.sosfiltfilt(sections, line)
 
     def cost(above):
-        found = based(slow, every / rate, rests, above)
+        found = based(slow, every / rate, slow_at_rest, above)
         return np.sum(np.maximum(found, 0)) * found.std()
 
     coarse = np.arange(STEPS[0], HIGHEST + STEPS[1] / 2, STEPS[0])
@@ -187,7 +187,7 @@ class Cells:
             share = np.pad(self.mean(np.asarray(doubtful, float)), 1)
             self.doubtful = np.maximum.reduce([share[:-2], share[1:-1], share[2:]])
         self.largest = np.sqrt(self.mean(acceleration**2).max())  # m/s2
-        self.at_rest = self.loudness < THRESHOLD * loudness.max()
+        self.at_rest = rests(self.loudness, loudness.max())
 
     def mean(self, values):
         return values[:self.count * self.samples].reshape(self.count, -1).mean(axis=1)

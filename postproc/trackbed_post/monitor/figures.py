@@ -6,11 +6,7 @@ import numpy as np
 
 from trackbed_post import read
 from trackbed_post.monitor import displacement
-
-TRENDS = (("peak_mm", "largest displacement (mm)"),
-          ("displacement_mm", "indicator of displacement (mm)"),
-          ("acceleration_m_s2", "indicator of acceleration (m/s2)"))
-AVERAGED = 7  # passages of one train in a moving mean, as in the thesis
+from trackbed_post.monitor.trends import AVERAGED, QUANTITIES
 
 
 def table_of(path):
@@ -26,7 +22,7 @@ def table_of(path):
             from None
 
 
-def trend(values, trusted, count=AVERAGED):
+def averaged(values, trusted, count=AVERAGED):
     """Mean of up to `count` values around each, of those that are trusted."""
     known = np.isfinite(values) & trusted
     kernel = np.ones(count)
@@ -37,10 +33,10 @@ def trend(values, trusted, count=AVERAGED):
 
 def trends(table, wavelengths):
     """Peak and indicators over the passages, with a moving mean for each train."""
-    figure, panels = plt.subplots(len(TRENDS), 1, sharex=True, figsize=(10, 8))
+    figure, panels = plt.subplots(len(QUANTITIES), 1, sharex=True, figsize=(10, 8))
     for number, name in enumerate(sorted(set(table["train"]))):
         rows = np.flatnonzero(table["train"] == name)
-        for panel, (quantity, _) in zip(panels, TRENDS):
+        for panel, quantity in zip(panels, QUANTITIES):
             values = table[quantity][rows]
             bars = table["deviation_mm"][rows] if quantity == "peak_mm" else None
             trusted = table["misfit"][rows] <= displacement.TRUSTED
@@ -49,8 +45,8 @@ def trends(table, wavelengths):
                            label=plain(name) or "no library")
             panel.plot(rows[~trusted], values[~trusted], "x", ms=3, color=f"C{number}")
             if len(rows) >= AVERAGED:
-                panel.plot(rows, trend(values, trusted), color=f"C{number}", lw=1)
-    for panel, (_, label) in zip(panels, TRENDS):
+                panel.plot(rows, averaged(values, trusted), color=f"C{number}", lw=1)
+    for panel, label in zip(panels, QUANTITIES.values()):
         panel.set_ylabel(label)
         panel.grid(alpha=0.3)
     panels[0].legend(fontsize=8)
@@ -68,8 +64,7 @@ def plain(name):
 
 def passage(signal, speed, name):
     """Acceleration and displacement of a passage, a measured.Signal."""
-    rate = 1 / float(np.mean(np.diff(signal.time)))
-    found = displacement.reconstruct(signal.values, rate, speed, doubtful=signal.doubtful)
+    found = displacement.reconstruct(signal.values, signal.rate, speed, doubtful=signal.doubtful)
     time, signal = signal.time - signal.time[0], signal.values
     figure, (upper, lower) = plt.subplots(2, 1, sharex=True, figsize=(10, 6))
     upper.plot(time, signal, lw=0.5)

@@ -32,7 +32,8 @@ def indicator(acceleration, rate, speed, wavelengths=WAVELENGTHS, quantity="acce
     """Root mean square of `band` while the train passes: from the first to the last sample at which
     the sleeper does not rest (`at_rest` of a Reconstruction, if there is one)."""
     if at_rest is None:
-        at_rest = displacement.rests(displacement.loudness_of(acceleration, rate, speed))
+        loudness = displacement.loudness_of(acceleration, rate, speed)
+        at_rest = displacement.rests(loudness, loudness.max())
     passing = np.flatnonzero(~at_rest)
     part = band(acceleration, rate, speed, wavelengths, quantity)[passing[0]:passing[-1] + 1]
     return float(np.sqrt(np.mean(part**2)))

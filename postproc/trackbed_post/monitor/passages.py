@@ -48,6 +48,8 @@ class Row:
 
 
 NAMES = [field.name for field in dataclasses.fields(Row)]
+
+
 def number(text, name, file):
     try:
         value = float(text)
@@ -114,7 +116,7 @@ def measure(signal, line, library, wavelengths, found, remarks):
     if signal.unit != "m/s2":
         raise read.Unreadable(f"the unit is {signal.unit}, not that of an acceleration")
     remarks += signal.remarks
-    rate = 1 / float(np.mean(np.diff(signal.time)))
+    rate = signal.rate
     speed = number(line.get("speed_m_s") or "nan", "speed_m_s", line["file"])
     if speed > FAST:
         remarks.append(f"the speed of {speed:g} m/s is given: is it in km/h?")
@@ -138,8 +140,7 @@ def measure(signal, line, library, wavelengths, found, remarks):
                        "displacement is wrong, because of low-frequency noise, a step or spike of "
                        "the sensor, its start, or a second train")
     if library and found["train"] != "unknown":
-        passing = np.flatnonzero(np.abs(done.displacement) > trains.PART * done.peak[0])
-        length = (passing[-1] - passing[0]) / rate * speed
+        length = trains.length_of(done.displacement, speed / rate)
         more = length - min(library.lengths_of(found["train"]), key=lambda one: abs(one - length))
         if abs(more) > LONGER:
             remarks.append(f"the train is {abs(more):.0f} m {'longer' if more > 0 else 'shorter'} "
@@ -185,10 +186,10 @@ def known_rows(path):
     return {row["file"] for row in kept}
 
 
-def written(row):
-    def text(value):
-        return f"{value:.6g}" if isinstance(value, float) else value
-    return [text(getattr(row, name)) for name in NAMES]
+def texts(record):
+    """Values of a dataclass as they stand in a table."""
+    return [f"{value:.6g}" if isinstance(value, float) else value
+            for value in dataclasses.astuple(record)]
 
 
 def batch(folder, path, library, wavelengths=indicators.WAVELENGTHS, workers=1, report=print):
@@ -202,7 +203,7 @@ def batch(folder, path, library, wavelengths=indicators.WAVELENGTHS, workers=1, 
         if not path.stat().st_size:
             table.writerow(NAMES)
         for row in evaluated(folder, todo, library, wavelengths, workers):
-            table.writerow(written(row))
+            table.writerow(texts(row))
             file.flush()
             count += 1
             if count % 1000 == 0:

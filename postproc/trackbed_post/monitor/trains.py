@@ -44,8 +44,7 @@ class Reference:
     @property
     def length(self):
         """m, of the train with the deflection before and behind it."""
-        loaded = np.flatnonzero(np.abs(self.displacement) > PART * np.abs(self.displacement).max())
-        return (loaded[-1] - loaded[0]) * self.step
+        return length_of(self.displacement, self.step)
 
     def acceleration(self, speed, backwards):
         """m/s2 at RATE, below CUT_OFF."""
@@ -65,6 +64,13 @@ class Train:
     speed: float
     direction: int
     similarity: float
+
+
+def length_of(displacement, step):
+    """m, of the train that passes while a sleeper is displaced; `step`: m between two values."""
+    size = np.abs(displacement)
+    loaded = np.flatnonzero(size > PART * size.max())
+    return float(loaded[-1] - loaded[0]) * step
 
 
 def slow_part(values, rate):

@@ -14,11 +14,13 @@ import scipy.optimize
 
 from trackbed_post.monitor import displacement
 
-QUANTITIES = ("peak_mm", "displacement_mm", "acceleration_m_s2")
-AVERAGED = 7      # passages in a mean, as in the thesis
+QUANTITIES = {"peak_mm": "largest displacement (mm)",
+              "displacement_mm": "indicator of displacement (mm)",
+              "acceleration_m_s2": "indicator of acceleration (m/s2)"}
+AVERAGED = 7      # passages in a mean or median, as in the thesis
 LEAST = 2 * AVERAGED
 WARMER = 5.0      # degrees between the coldest and the warmest tenth, or temperature is left out
-CHANGED = 0.2     # least change of the latest mean, relative to the first
+CHANGED = 0.2     # least change of the latest median, relative to the first
 ERRORS = 4.0      # least change over its standard error
 MONTH = 365.25 / 12  # days
 
@@ -27,7 +29,7 @@ MONTH = 365.25 / 12  # days
 class Trend:
     """Of a quantity of a train: number of passages, mean, change in a month and in a degree (not a
     number if dates or temperatures are not known), standard deviation of a passage, relative change
-    of the latest mean to the first, and whether it is an alarm."""
+    of the latest median to the first, and whether it is an alarm."""
     train: str
     quantity: str
     passages: int
@@ -87,11 +89,3 @@ def trend(train, quantity, values, days, warmth):
                  float(fit[1]) if dated else math.nan, float(fit[-1]) if known else math.nan,
                  scatter, change,
                  bool(abs(change) > CHANGED and abs(latest - first) > ERRORS * error))
-
-
-def text_of(found):
-    """As CSV, with a line of names."""
-    def text(value):
-        return f"{value:.6g}" if isinstance(value, float) else str(value)
-    rows = [",".join(text(getattr(one, name)) for name in NAMES) for one in found]
-    return "\n".join([",".join(NAMES), *rows]) + "\n"

@@ -187,19 +187,15 @@ void Particles::Impl::find_bonds(std::size_t kind, double stretch, std::vector<B
   const auto body = [&](std::int32_t piece) {
     return static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(piece)]);
   };
-  for (const Row& row : pairs.rows)
-    for (std::uint32_t e = row.begin; e < row.end; ++e) {
-      const Entry& entry = pairs.entries[e];
-      const Vec4 &i = pieces.x[static_cast<std::size_t>(row.piece)],
-                 &j = pieces.x[static_cast<std::size_t>(entry.piece)];
-      const Vec3 d = j.vec3() - i.vec3() + pairs.shifts[entry.shift].vec3();
-      const double distance = d.norm(), gap = distance - i.w - j.w;
-      constexpr double rounding = 1e-9;  // of positions: balls that are placed to touch do
-      if (!(gap <= p.gap + rounding * distance) || !(distance > 0)) continue;
-      const Vec3 normal = d / distance;
-      take(found, body(row.piece), body(entry.piece),
-           {gap, i.vec3() + (i.w + gap / 2) * normal, normal});
-    }
+  visit_pairs([&](std::int32_t piece, std::int32_t other, const Vec3& d) {
+    const Vec4& i = pieces.x[static_cast<std::size_t>(piece)];
+    const double distance = d.norm(),
+                 gap = distance - i.w - pieces.x[static_cast<std::size_t>(other)].w;
+    constexpr double rounding = 1e-9;  // of positions: balls that are placed to touch do
+    if (!(gap <= p.gap + rounding * distance) || !(distance > 0)) return;
+    const Vec3 normal = d / distance;
+    take(found, body(piece), body(other), {gap, i.vec3() + (i.w + gap / 2) * normal, normal});
+  });
   if (!stones.entries.empty()) {
     State moved = state;
     StoneList list = stones;

@@ -146,14 +146,11 @@ std::vector<double> Particles::Impl::depths_of(const std::vector<Crack>& cracks)
     if (found != number.end()) depths[found->second] = std::max(depths[found->second], overlap);
   };
   if (!number.empty()) {
-    for (const Row& row : pairs.rows)
-      for (std::uint32_t e = row.begin; e < row.end; ++e) {
-        const Entry& entry = pairs.entries[e];
-        const Vec4 &i = pieces.x[static_cast<std::size_t>(row.piece)],
-                   &j = pieces.x[static_cast<std::size_t>(entry.piece)];
-        const Vec3 d = j.vec3() - i.vec3() + pairs.shifts[entry.shift].vec3();
-        deepen(row.piece, i.w + j.w - d.norm()), deepen(entry.piece, i.w + j.w - d.norm());
-      }
+    visit_pairs([&](std::int32_t piece, std::int32_t other, const Vec3& d) {
+      const double reach =
+          pieces.x[static_cast<std::size_t>(piece)].w + pieces.x[static_cast<std::size_t>(other)].w;
+      deepen(piece, reach - d.norm()), deepen(other, reach - d.norm());
+    });
     std::vector<MeshContact> found;
     for (const Approach& a : approaches) {
       if (!number.contains(static_cast<std::size_t>(a.piece))) continue;

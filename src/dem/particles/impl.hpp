@@ -72,6 +72,17 @@ struct Particles::Impl {
   // Forces and torques on own particles, at the present poses; histories advance by one sub-step.
   void compute_pair_forces(double dt);
   void gather_near_pairs(const std::vector<Vec4>& piece_x, double dt);  // if they may be too few
+  // Calls visit(piece, other, d) for all pairs in the list, d from centre to centre, m.
+  template <class Visit>
+  void visit_pairs(Visit&& visit) const {
+    for (const Row& row : pairs.rows)
+      for (std::uint32_t e = row.begin; e < row.end; ++e) {
+        const Entry& entry = pairs.entries[e];
+        const Vec3 from = pieces.x[static_cast<std::size_t>(row.piece)].vec3();
+        const Vec3 to = pieces.x[static_cast<std::size_t>(entry.piece)].vec3();
+        visit(row.piece, entry.piece, Vec3(to - from + pairs.shifts[entry.shift].vec3()));
+      }
+  }
   double speed(std::size_t b) const;
   void mark_slow_particles(double dt);
   double fastest_slow() const;

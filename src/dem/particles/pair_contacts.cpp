@@ -216,22 +216,17 @@ double pair_loop(const Arrays& a, const LawTable& table, NearPairs& near, double
 
 // The loop compiled for these shapes and laws. If one law is Hertz's, all contacts use the loop
 // that computes both; the same holds for rolling. Spheres alone do not break.
+template <bool... kinds>
+constexpr auto loop_of = pair_loop<kinds...>;
 template <bool accounts>
 auto loop_for(bool spheres, bool hertz, bool rolls, bool breaks) {
-  constexpr auto loop = []<bool... kinds>() { return &pair_loop<kinds..., accounts>; };
-  static constexpr decltype(&pair_loop<false, false, false, false, accounts>) loops[] = {
-      loop.template operator()<false, false, false, false>(),
-      loop.template operator()<false, false, true, false>(),
-      loop.template operator()<false, true, false, false>(),
-      loop.template operator()<false, true, true, false>(),
-      loop.template operator()<true, false, false, false>(),
-      loop.template operator()<true, false, true, false>(),
-      loop.template operator()<true, true, false, false>(),
-      loop.template operator()<true, true, true, false>(),
-      loop.template operator()<false, false, false, true>(),
-      loop.template operator()<false, false, true, true>(),
-      loop.template operator()<false, true, false, true>(),
-      loop.template operator()<false, true, true, true>()};
+  constexpr decltype(&pair_loop<false, false, false, false, accounts>) loops[] = {
+      loop_of<false, false, false, false, accounts>, loop_of<false, false, true, false, accounts>,
+      loop_of<false, true, false, false, accounts>,  loop_of<false, true, true, false, accounts>,
+      loop_of<true, false, false, false, accounts>,  loop_of<true, false, true, false, accounts>,
+      loop_of<true, true, false, false, accounts>,   loop_of<true, true, true, false, accounts>,
+      loop_of<false, false, false, true, accounts>,  loop_of<false, false, true, true, accounts>,
+      loop_of<false, true, false, true, accounts>,   loop_of<false, true, true, true, accounts>};
   return loops[(breaks ? 8 : 4 * spheres) + 2 * hertz + rolls];
 }
 
