@@ -12,7 +12,7 @@ _trackbed_parameters() {
 _trackbed() {
   local program=${COMP_WORDS[0]} command=${COMP_WORDS[1]} word=${COMP_WORDS[COMP_CWORD]}
   if [ "$COMP_CWORD" -eq 1 ]; then
-    mapfile -t COMPREPLY < <(compgen -W "run resume check describe schema info shapes --help \
+    mapfile -t COMPREPLY < <(compgen -W "run resume check describe schema info shapes kernel --help \
 --version" -- "$word")
   elif [[ $word == -* ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$("$program" "$command" --help 2>/dev/null |

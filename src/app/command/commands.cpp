@@ -160,6 +160,14 @@ int schema(const par::Comm& comm, const Arguments&) {
   return static_cast<int>(ExitCode::success);
 }
 
+int kernel(const par::Comm& comm, const Arguments& arguments) {
+  const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
+  Warnings warnings{comm};
+  const model::Model model = read_model(deck, warnings);
+  print(comm, model::write_kernel(comm, model, arguments.kernel, arguments.folder) + "\n");
+  return static_cast<int>(ExitCode::success);
+}
+
 // Opening a checkpoint verifies its seal and all checksums, so an answer also means that the file
 // is undamaged. Of results only attributes are read.
 int info(const par::Comm& comm, const Arguments& arguments) {

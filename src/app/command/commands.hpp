@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/command/shapes.hpp"
+#include "trackbed/model/kernel.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::app {
@@ -14,9 +15,10 @@ struct Arguments {
   std::string file;                    // resume, info
   std::string section;                 // describe
   std::vector<std::string> overrides;  // key=value
-  std::string folder;                  // -o; empty: chosen
+  std::string folder;                  // -o; empty: chosen; kernel: a file
   std::string drawing;                 // check: file to draw the model into
   ShapeArguments shapes;
+  model::KernelParameters kernel;
   bool force = false;  // run: results of an earlier run may be removed
 };
 
@@ -25,6 +27,7 @@ int resume(const par::Comm& comm, const Arguments& arguments);
 int check(const par::Comm& comm, const Arguments& arguments);
 int describe(const par::Comm& comm, const Arguments& arguments);
 int schema(const par::Comm& comm, const Arguments& arguments);
+int kernel(const par::Comm& comm, const Arguments& arguments);
 int info(const par::Comm& comm, const Arguments& arguments);
 
 }  // namespace trackbed::app

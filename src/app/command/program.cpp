@@ -87,6 +87,40 @@ void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
                   "Write the surfaces of the shapes into this mesh (.obj)");
 }
 
+void declare_kernel(CLI::App* sub, Arguments& arguments) {
+  model::KernelParameters& kernel = arguments.kernel;
+  sub->add_option("deck", arguments.deck, "Input file (TOML) of a track alone")->required();
+  sub->add_option("-o,--output", arguments.folder, "File for the functions (.h5)")->required();
+  sub->add_option("--sensor", kernel.sensor, "x of the sensor, m; the nearest sleeper carries it")
+      ->required();
+  sub->add_option("--side", kernel.rail,
+                  "Rail of the sensor and of the wheel, on a track with two rails")
+      ->check(CLI::IsMember({"left", "right"}))
+      ->capture_default_str();
+  sub->add_option("--rate", kernel.rate, "Samples per second of the responses")
+      ->check(CLI::Range(100.0, 1e5))
+      ->capture_default_str();
+  sub->add_option("--duration", kernel.duration, "Duration of the responses, s")
+      ->check(CLI::Range(1e-3, 10.0))
+      ->capture_default_str();
+  sub->add_option("--apart", kernel.apart, "Distance of the positions of the force, m")
+      ->check(CLI::Range(1e-3, 1.0))
+      ->capture_default_str();
+  sub->add_option("--speed", kernel.speed,
+                  "Speed, m/s, of the moving response: the rail below the first wheel")
+      ->check(CLI::Range(1.0, 200.0));
+  sub->add_option("--axles", kernel.bogie,
+                  "Number of axles, from the first one, that move the rail below it")
+      ->check(CLI::Range(1, 16))
+      ->capture_default_str();
+  sub->add_option("--from", kernel.from, "Range of the force of the moving response, m")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  sub->add_option("--to", kernel.to, "End of that range, m; 0: end of the track")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
 // Adds the commands to `line`; the chosen one is stored by its callback.
 void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Command>& chosen) {
   const auto command = [&](const char* name, const char* words, const Command& what) {
@@ -134,6 +168,11 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
                   return shapes(comm, arguments.shapes);
                 });
   declare_shapes(sub, arguments.shapes);
+  sub = command("kernel",
+                "Write Green's functions of a track: of a sleeper, and of the rail below a wheel",
+                kernel);
+  declare_kernel(sub, arguments);
+  with_overrides(sub);
   line.require_subcommand(1);
 }
 

@@ -1,0 +1,328 @@
+"""Forces of wheels on a crossing and irregularity of its running surface from the acceleration of a
+sleeper (sections 5.7 and 5.8 of the thesis).
+
+A bogie passes a range of the track near the sensor. Everywhere else, and of all other wheels, the
+forces are the static ones. Within it the force of wheel w at x is unknown,
+    f_w(x) = static + common(x) + LIKENESS own_w(x),
+and the acceleration is linear in it by the Green's functions of the track. Both functions are white
+noise of the same strength before the measurement.
+
+Different from the thesis: it takes both forces of a bogie as equal (likeness 0), uses the
+reconstructed displacement, and truncates singular values. All three are available.
+"""
+import dataclasses
+import typing
+
+import numpy as np
+import scipy.ndimage
+import scipy.signal
+
+from trackbed_post import read
+from trackbed_post.monitor import displacement as reconstruction
+from trackbed_post.monitor import greens, regularised
+
+RANGE = (-3.0, 4.0)  # m, from the sensor: where forces are not the static ones
+LIKENESS = 0.15      # standard deviation of what is one wheel's own, over what both have
+BOGIE = 4.0          # m, of axles that are identified together
+SLOW = 4.0           # m, wavelength: longer ones state where the train is; a dip causes others
+OF_DIP = 0.01        # m, standard deviation of this place because of dips
+SEARCH = 6           # samples, by which it may be wrong
+SPREAD = 0.5         # m, over which forces are similarly strong
+LEAST = 0.1          # strength of a force anywhere over the largest
+EXTENT = 1.2         # m, on both sides of the largest force: beyond, the rail is even
+DRIFT = 3            # degree of the polynomial that makes it so
+DRAWS = 30           # forces from their distribution, for the uncertainty of the irregularity
+
+
+@dataclasses.dataclass(frozen=True)
+class Arrival:
+    """Position of the first wheel at the first sample, m, its standard deviation, m, and the ratio
+    of the measured displacement to that of the track under static forces."""
+    start: float
+    deviation: float
+    ratio: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Forces:
+    """Forces, N downwards, of the wheels of a bogie at positions x, m, [wheel, position], and their
+    standard deviations; root mean square of the residual and of the signal; strength of the
+    regularisation and `curves` of its choice (regularised.Solution)."""
+    x: np.ndarray
+    force: np.ndarray
+    deviation: np.ndarray
+    residual: float
+    signal: float
+    strength: float
+    curves: tuple
+    draw: typing.Callable  # (random generator) -> force from the distribution after the measurement
+
+    def peak(self, wheel=0):
+        """(largest force, N, its standard deviation, N, its place, m)."""
+        at = int(np.argmax(self.force[wheel]))
+        return float(self.force[wheel, at]), float(self.deviation[wheel, at]), float(self.x[at])
+
+
+class Passing:
+    """Wheels whose first one is at `start` (m) in the first of `count` samples, at `speed`, m/s."""
+
+    def __init__(self, kernel, start, count, speed):
+        if kernel.wheels is None:
+            raise read.Unreadable("the Green's functions are those of a deck without a train")
+        self.kernel, self.start, self.count, self.speed = kernel, start, count, speed
+        self.step = speed / kernel.rate  # m
+        self.wheels = kernel.wheels
+
+    def places(self, wheel):
+        """m, of a wheel, at each sample."""
+        return self.start - self.wheels.behind[wheel] + self.step * np.arange(self.count)
+
+    def of_static(self, quantity):
+        """Response of the sensor to the static forces of all wheels on all rails."""
+        kernel = self.kernel
+        run = int(kernel.x[-1] / self.step) + 1
+        table = sum(tables[quantity] for tables in kernel.fixed.values())
+        unit = greens.superposed(table, kernel.x, self.step * np.arange(run), np.ones(run),
+                                 run + kernel.samples)
+        at = self.step * np.arange(len(unit))  # m, of the wheel
+        return sum(load * np.interp(self.places(wheel), at, unit, left=0.0, right=0.0)
+                   for wheel, load in enumerate(self.wheels.load))
+
+    def matrix(self, quantity, wheel, x, rows):
+        """Response in these rows to a unit force of one wheel on the sensor's rail at each position
+        x, spaced by `step`; a force is linear between positions."""
+        table, lags = self.kernel.fixed[self.kernel.side][quantity], self.kernel.samples
+        found = np.zeros((self.count + lags, len(x)))
+        places = self.places(wheel)
+        for sample in np.flatnonzero((places > x[0] - self.step) & (places < x[-1] + self.step)):
+            response = greens.between(table, self.kernel.x, places[sample])
+            place = (places[sample] - x[0]) / self.step
+            left = int(np.floor(place))
+            for column, part in ((left, 1 - place + left), (left + 1, place - left)):
+                if 0 <= column < len(x):
+                    found[sample:sample + lags, column] -= part * response
+        return found[rows]
+
+
+def bogie_of(wheels, first=0):
+    """Numbers of the wheels of the bogie that begins with wheel `first`."""
+    behind = wheels.behind - wheels.behind[first]
+    return np.flatnonzero((behind >= 0) & (behind <= BOGIE))
+
+
+def arrival(found, kernel, speed):
+    """Arrival of the kernel's train: the displacement (a Reconstruction) is most similar to that
+    under static forces."""
+    length = kernel.x[-1] + kernel.wheels.behind[-1]
+    passing = Passing(kernel, 0.0, int(length / speed * kernel.rate) + kernel.samples, speed)
+    sections = scipy.signal.butter(2, speed / SLOW, fs=kernel.rate, output="sos")
+    expected = scipy.signal.sosfiltfilt(sections, passing.of_static("displacement"))
+    slow = scipy.signal.sosfiltfilt(sections, found.displacement)
+    similar = scipy.signal.correlate(slow, expected, "full")
+    at = int(np.argmax(similar))
+    if not 0 < at < len(similar) - 1:
+        raise read.Unreadable("the record does not contain the passage of this train")
+    # Errors of the displacement are smooth: each flank below a bogie is one measurement.
+    slope = np.sqrt(np.mean(np.gradient(slow[~found.at_rest], passing.step)**2))
+    flanks = 2 * (1 + np.sum(np.diff(kernel.wheels.behind) > BOGIE))
+    error = np.sqrt(np.mean(found.deviation**2)) / np.sqrt(flanks)
+    shift = at + vertex(similar[at - 1:at + 2])[0] - (len(expected) - 1)
+    return Arrival(start=-shift * passing.step, deviation=float(error / slope),
+                   ratio=float(similar[at] / np.sum(expected**2)))
+
+
+def vertex(three):
+    """(place of the extreme of a parabola through values at -1, 0, 1; its second derivative)."""
+    low, middle, high = three
+    bend = low - 2 * middle + high
+    return 0.5 * (low - high) / bend, bend
+
+
+class Problem:
+    """Linear equations for the forces of a bogie: those of the samples `rows` for forces at x."""
+
+    def __init__(self, signal, kernel, speed, start, quantity="acceleration", first=0,
+                 bounds=RANGE):
+        """`signal`: of the sensor, at the rate of the kernel; `start`: position of the first wheel
+        at its first sample, m."""
+        if quantity not in greens.QUANTITIES:
+            raise read.Unreadable(f'"{quantity}" is no quantity of the sensor; these are '
+                                  f'{", ".join(greens.QUANTITIES)}')
+        passing = Passing(kernel, start, len(signal), speed)
+        self.signal, self.step = np.asarray(signal, float), passing.step
+        bogie = bogie_of(kernel.wheels, first)
+        self.load = kernel.wheels.load[bogie]
+        self.x = np.arange(kernel.sensor + bounds[0], kernel.sensor + bounds[1] + self.step / 2,
+                           self.step)
+        self.rows = np.flatnonzero((passing.places(bogie[0]) >= self.x[0]) &
+                                   (passing.places(bogie[-1]) <= self.x[-1]))
+        if len(self.rows) < len(self.x) // 2 or self.rows[0] < SEARCH or \
+                self.rows[-1] >= len(signal) - SEARCH:
+            raise read.Unreadable("the record begins or ends while the bogie passes the sensor")
+        self.each = [passing.matrix(quantity, wheel, self.x, self.rows) for wheel in bogie]
+        self.static = passing.of_static(quantity)[self.rows]
+
+    def decomposition(self, likeness, weights=1.0):
+        """Of the matrix of common and own forces, in units of `weights` at each position."""
+        parts = [sum(self.each), *(likeness * one for one in self.each if likeness)]
+        return np.linalg.svd(np.hstack([weights * part for part in parts]), full_matrices=False)
+
+    def right(self, shift=0):
+        """What forces must explain if the signal is `shift` samples late."""
+        return self.signal[self.rows + shift] - self.static
+
+    def changes(self, unknown, likeness):
+        """Changes of each wheel's force from the static one, [..., wheel, position]."""
+        parts = unknown.reshape(*unknown.shape[:-1], -1, len(self.x))
+        if likeness:
+            return parts[..., :1, :] + likeness * parts[..., 1:, :]
+        return np.repeat(parts, len(self.each), axis=-2)
+
+
+def placed(problem, unsure, likeness=4 * LIKENESS):
+    """(shift, m, by which the first wheel is farther back than assumed, its standard deviation, m):
+    the likelihood of the signal decides, if forces are strong only near where they are found to be
+    so at first. `unsure`: standard deviation, m, of the place assumed."""
+    first = regularised.Solution(problem.decomposition(likeness), problem.right())
+    squares = np.mean(problem.changes(first.unknown, likeness)**2, axis=0)
+    strong = np.sqrt(scipy.ndimage.uniform_filter1d(squares, max(int(SPREAD / problem.step), 1)))
+    decomposition = problem.decomposition(likeness, np.hypot(strong / strong.max(), LEAST))
+    evidence = [regularised.Solution(decomposition, problem.right(shift)).evidence()
+                + (shift * problem.step)**2 / (unsure**2 + OF_DIP**2)
+                for shift in range(-SEARCH, SEARCH + 1)]
+    at = int(np.argmin(evidence))
+    if not 0 < at < 2 * SEARCH:
+        raise read.Unreadable("the place of the train in the record cannot be found: is its speed, "
+                              "or the track of the Green's functions, another one?")
+    part, bend = vertex(evidence[at - 1:at + 2])
+    return (at + part - SEARCH) * problem.step, np.sqrt(2 / bend + 1 / 12) * problem.step
+
+
+def identify(problem, likeness=LIKENESS, method="tikhonov", criterion="gcv", noise=0.0, unsure=0.0):
+    """Forces. `unsure`: standard deviation, m, of the place of the train; `noise`: of a sample,
+    needed by the criterion "residual" alone."""
+    for name, value, known in (("method", method, regularised.METHODS),
+                               ("criterion", criterion, regularised.CRITERIA)):
+        if value not in known:
+            raise read.Unreadable(f'"{value}" is no {name}; these are {", ".join(known)}')
+    solution = regularised.Solution(problem.decomposition(likeness), problem.right(), method,
+                                    criterion, noise)
+    load = problem.load[:, None]
+    found = load + problem.changes(solution.unknown, likeness)
+    variance = solution.variance(problem.changes(solution.vectors, likeness).reshape(
+        len(solution.values), -1), 1 + likeness**2).reshape(found.shape)
+
+    def drawn(random):
+        shift = unsure * random.standard_normal()
+        changed = problem.changes(solution.draw(random), likeness)
+        return load + np.array([np.interp(problem.x + shift, problem.x, one) for one in changed])
+
+    of_place = unsure * np.gradient(found, problem.step, axis=1)
+    return Forces(x=problem.x, force=found, deviation=np.sqrt(variance + of_place**2),
+                  residual=solution.residual,
+                  signal=float(np.sqrt(np.mean(problem.signal[problem.rows]**2))),
+                  strength=solution.strength, curves=solution.curves, draw=drawn)
+
+
+def evaluate(acceleration, kernel, speed, doubtful=None, quantity="acceleration", first=0,
+             bounds=RANGE, **choices):
+    """(Forces, Arrival, Reconstruction) of a passage of the kernel's train, from an acceleration at
+    the rate of the kernel; `choices` are those of `identify`."""
+    found = reconstruction.reconstruct(acceleration, kernel.rate, speed, doubtful=doubtful)
+    came = arrival(found, kernel, speed)
+    upright = np.asarray(acceleration, float) * (-1 if found.reversed else 1)
+    shift, deviation = placed(Problem(upright, kernel, speed, came.start, "acceleration", first,
+                                      bounds), came.deviation)
+    came = dataclasses.replace(came, start=came.start - shift, deviation=deviation)
+    signal = upright if quantity == "acceleration" else found.displacement
+    problem = Problem(signal, kernel, speed, came.start, quantity, first, bounds)
+    choices = {"noise": found.noise, "unsure": deviation} | choices
+    return identify(problem, **choices), came, found
+
+
+@dataclasses.dataclass(frozen=True)
+class Irregularity:
+    """Height, m, of the running surface (upwards) at x, m, over that of an even rail, and its
+    standard deviation; displacement of wheel and rail, m."""
+    x: np.ndarray
+    height: np.ndarray
+    deviation: np.ndarray
+    wheel: np.ndarray
+    rail: np.ndarray
+
+    @property
+    def depth(self):
+        """Depth of the dip, m, and its standard deviation."""
+        at = int(np.argmin(self.height))
+        return -float(self.height[at]), float(self.deviation[at])
+
+
+def irregularity(forces, kernel, speed, first=0, extent=EXTENT, draws=DRAWS, seed=1):
+    """Wheel minus rail plus compression of the contact, of the first wheel of a bogie. The wheel is
+    a free mass below its static load, whose initial position and velocity, and the slow errors of
+    the force, are chosen such that the rail is even beyond `extent` of the largest force."""
+    refuse_irregularity(forces, kernel, speed, first)
+    wheels, bogie = kernel.wheels, bogie_of(kernel.wheels, first)
+    load, middle = wheels.load[bogie], forces.peak()[2]
+    even = np.abs(forces.x - middle) > extent
+    if min(np.sum(even & (forces.x < middle)), np.sum(even & (forces.x > middle))) < DRIFT + 2:
+        raise read.Unreadable(f"the largest force, at {middle:.3g} m, is nearer than {extent:g} m "
+                              "to an end of the range: choose another range")
+    below = BelowWheel(kernel, bogie, first, forces.x, speed)
+
+    def heights(force):
+        change = force - load[:, None]
+        rail = below.static + below.moved(change)
+        lift = np.cumsum(np.cumsum(change[0] / wheels.mass[first])) / kernel.rate**2
+        surface = lift - rail + wheels.approach(force[0])
+        drift = np.polyval(np.polyfit((forces.x - middle)[even], surface[even], DRIFT),
+                           forces.x - middle)
+        return surface - drift, lift - drift, rail
+
+    height, lift, rail = heights(forces.force)
+    random = np.random.default_rng(seed)
+    drawn = [heights(forces.draw(random))[0] for _ in range(draws)]
+    deviation = np.std(drawn, axis=0) if draws else np.full(len(height), np.nan)
+    return Irregularity(forces.x, height, deviation, lift, rail)
+
+
+def refuse_irregularity(forces, kernel, speed, first):
+    if not kernel.moving:
+        raise read.Unreadable("the Green's functions have no moving response: call `trackbed "
+                              "kernel` with --speed")
+    if abs(kernel.speed - speed) > greens.SAME_SPEED * speed:
+        raise read.Unreadable(f"the moving response is that of {kernel.speed:g} m/s, not of "
+                              f"{speed:g} m/s")
+    if not kernel.wheels.mass[first] > 0:
+        raise read.Unreadable("wheels of constant force have no mass: give the train of the deck "
+                              "vehicles that roll")
+    if kernel.moving_x[0] > forces.x[0] or kernel.moving_x[-1] < forces.x[-1]:
+        raise read.Unreadable("the moving response does not cover the range of the forces: reduce "
+                              "--from, increase --to")
+
+
+class BelowWheel:
+    """Deflection of the rail below the first wheel of a bogie at positions x, m."""
+
+    def __init__(self, kernel, bogie, first, x, speed):
+        self.kernel, self.x, self.step = kernel, x, speed / kernel.rate
+        behind = kernel.wheels.behind
+        self.behind = [behind[wheel] - behind[first] for wheel in bogie]
+        # From where forces begin to have responses, in steps that meet those of x.
+        self.before = int((x[0] - kernel.moving_x[0]) / self.step)
+        self.path = x[0] + self.step * np.arange(-self.before, len(x))
+        self.static = sum(self.superposed(side, axle, np.full(len(self.path), load))
+                          for side in kernel.moving
+                          for axle, load in enumerate(kernel.wheels.load[bogie]))
+
+    def superposed(self, side, axle, forces):
+        """m, due to forces of an axle while the first wheel follows the path."""
+        moved = greens.superposed(self.kernel.moving[side][axle], self.kernel.moving_x,
+                                  self.path - self.behind[axle], forces, len(self.path))
+        return moved[self.before:]
+
+    def moved(self, changes):
+        """m, due to changes of the forces, N, [wheel, position x]."""
+        return sum(self.superposed(self.kernel.side, axle, np.interp(
+            self.path - behind, self.x, changes[axle], left=0.0, right=0.0))
+            for axle, behind in enumerate(self.behind))

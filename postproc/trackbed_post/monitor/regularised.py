@@ -1,0 +1,94 @@
+"""Regularised solutions of ill-posed linear equations matrix @ unknown = right.
+
+The unknown is white noise before the measurement (Tikhonov regularisation), or small singular
+values are left out (truncated). The strength of the regularisation is chosen by generalised
+cross-validation (Golub, Heath and Wahba 1979, doi:10.1080/00401706.1979.10489751), by the corner of
+the L-curve (Hansen 1992, doi:10.1137/1034115), or such that the residual is the noise.
+"""
+import numpy as np
+
+STRENGTHS = np.logspace(-6, 0, 61)  # over the largest singular value
+CRITERIA = ("gcv", "l_curve", "residual")
+METHODS = ("tikhonov", "truncated")
+
+
+class Solution:
+    """`unknown`; `strength` and root mean square `residual`; standard deviation of the `noise`;
+    `curves`: strengths, residuals, norms of the unknown, values of the cross-validation."""
+
+    def __init__(self, decomposition, right, method="tikhonov", criterion="gcv", noise=0.0):
+        """`decomposition`: of the matrix by numpy.linalg.svd; `noise`: of the right side, needed by
+        the criterion "residual" alone."""
+        left, self.values, self.vectors = decomposition
+        self.projected = left.T @ right
+        self.outside = max(float(right @ right - self.projected @ self.projected), 0.0)
+        self.count, self.method = len(right), method
+        self.curves = (STRENGTHS, *np.transpose([self.measures(one) for one in STRENGTHS]))
+        self.strength = float(STRENGTHS[chosen(criterion, self.curves, noise)])
+        self.kept = self.filtered(self.strength)
+        self.unknown = self.vectors.T @ (self.kept * self.projected / self.values)
+        self.residual = float(self.measures(self.strength)[0])
+        free = max(self.count - self.kept.sum(), 1.0)
+        self.noise = self.residual * np.sqrt(self.count / free)
+
+    def filtered(self, strength):
+        """Factor of each singular value."""
+        limit = strength * self.values[0]
+        if self.method == "truncated":
+            return (self.values >= limit).astype(float)
+        return self.values**2 / (self.values**2 + limit**2)
+
+    def measures(self, strength):
+        """(root mean square residual, norm of the unknown, generalised cross-validation)."""
+        kept = self.filtered(strength)
+        square = self.outside + np.sum(((1 - kept) * self.projected)**2)
+        norm = np.linalg.norm(kept * self.projected / self.values)
+        free = 1 - kept.sum() / self.count
+        return np.sqrt(square / self.count), norm, square / max(free, 1e-12)**2
+
+    def evidence(self):
+        """-2 log likelihood of the right side, but for a constant, if unknown and noise are white
+        and have their most likely strengths (MacKay 1992, doi:10.1162/neco.1992.4.3.415)."""
+        limits = (STRENGTHS * self.values[0])[:, None]**2
+        total = self.values**2 + limits
+        square = np.sum(self.projected**2 / total, axis=1) + self.outside / limits[:, 0]
+        rest = (self.count - len(self.values)) * np.log(limits[:, 0])
+        return float(np.min(self.count * np.log(square) + np.sum(np.log(total), axis=1) + rest))
+
+    def before(self):
+        """Standard deviation of the unknown before the measurement; 0 of what was truncated."""
+        if self.method == "truncated":
+            return 0.0
+        return self.noise / (self.strength * self.values[0])
+
+    def variance(self, rows, sum_of_squares):
+        """Variances of linear functions of the unknown. `rows`: these functions of each singular
+        vector, [vector, function]; sum_of_squares: of the coefficients of a function."""
+        if self.method == "truncated":
+            return (self.kept * (self.noise / self.values)**2) @ rows**2
+        return self.before()**2 * np.maximum(sum_of_squares - self.kept @ rows**2, 0)
+
+    def draw(self, random):
+        """An unknown from its distribution after the measurement."""
+        if self.method == "truncated":
+            size = self.kept * self.noise / self.values
+            return self.unknown + self.vectors.T @ (size * random.standard_normal(len(size)))
+        white = self.before() * random.standard_normal(self.vectors.shape[1])
+        return self.unknown + white - \
+            self.vectors.T @ ((1 - np.sqrt(1 - self.kept)) * (self.vectors @ white))
+
+
+def chosen(criterion, curves, noise):
+    """Number of the strength."""
+    _, residuals, norms, validation = curves
+    if criterion == "gcv":
+        return int(np.argmin(validation))
+    if criterion == "residual":
+        return int(np.flatnonzero(residuals <= max(noise, residuals[0]))[-1])
+    # The corner: largest curvature of the curve of both logarithms.
+    first, second = np.log(np.maximum(residuals, 1e-300)), np.log(np.maximum(norms, 1e-300))
+    slopes = [np.gradient(one) for one in (first, second)]
+    bends = [np.gradient(one) for one in slopes]
+    length = np.maximum((slopes[0]**2 + slopes[1]**2)**1.5, 1e-12)
+    curvature = (slopes[0] * bends[1] - slopes[1] * bends[0]) / length
+    return int(np.argmax(curvature[2:-2])) + 2
