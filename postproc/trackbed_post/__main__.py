@@ -12,7 +12,8 @@ matplotlib.use("Agg")
 from trackbed_post import (curves, geometry, kinds, read, report, still, sweep,  # noqa: E402
                            transition, vibration, write)
 from trackbed_post.monitor import command as monitor_command  # noqa: E402
-from trackbed_post.monitor import indicators  # noqa: E402
+from trackbed_post.monitor import forces as monitor_forces  # noqa: E402
+from trackbed_post.monitor import ballast, calibration, greens, indicators, regularised  # noqa: E402
 
 FORMATS = ("png", "pdf", "svg", "csv")  # csv: the lines of each figure
 
@@ -115,6 +116,23 @@ def run_monitor(given):
                           given.format)
     monitor_command.monitor(given.passages, folder, given.library, given.wavelengths,
                             given.workers)
+    print_folders([folder])
+
+
+def find_forces(given):
+    """wheel forces and irregularity of the running surface from the acceleration of a sleeper"""
+    folder = write.Folder(given.output, f"{pathlib.Path(given.signal).name}, {given.kernel.name}", given.format)
+    monitor_forces.forces(given.signal, folder, given.kernel, given.speed, first=given.axle - 1,
+                          quantity=given.quantity, method=given.method, criterion=given.criterion)
+    print_folders([folder])
+
+
+def find_ballast(given):
+    """stiffness of the ballast, and a void, below the sleeper with the sensor"""
+    folder = write.Folder(given.output, f"{pathlib.Path(given.signal).name}, {given.deck.name}",
+                          given.format)
+    calibration.calibrate(given.signal, folder, given.deck, sweep.find_program(given.program),
+                          given.sensor, given.speed, given.without)
     print_folders([folder])
 
 
@@ -221,6 +239,30 @@ def parser():
                      metavar="M", help="of the band of the indicators; default: 1 and 0.2 m")
     one.add_argument("--workers", type=int, default=os.cpu_count() or 1,
                      help="processes side by side; default: %(default)s")
+    draws(one)
+    one = command("forces", find_forces)
+    one.add_argument("signal", metavar="FILE[:COLUMN]", help="CSV, MAT or WAV")
+    one.add_argument("--kernel", type=pathlib.Path, required=True, metavar="FILE.h5",
+                     help="Green's functions of the track, of `trackbed kernel`")
+    one.add_argument("--speed", type=float, required=True, metavar="M/S")
+    one.add_argument("--axle", type=int, default=1,
+                     help="first axle of the bogie, from 1; default: %(default)s")
+    one.add_argument("--quantity", choices=greens.QUANTITIES, default="acceleration",
+                     help="to which forces are fitted; default: %(default)s")
+    one.add_argument("--method", choices=regularised.METHODS, default="tikhonov",
+                     help="of the regularisation; default: %(default)s")
+    one.add_argument("--criterion", choices=regularised.CRITERIA, default="gcv",
+                     help="of its strength; default: %(default)s")
+    draws(one)
+    one = command("ballast", find_ballast)
+    one.add_argument("signal", metavar="FILE[:COLUMN]", help="CSV, MAT or WAV")
+    one.add_argument("deck", type=pathlib.Path, help="of the track, with the train that passes")
+    one.add_argument("--sensor", type=float, required=True, metavar="M",
+                     help="x of the sleeper with the sensor")
+    one.add_argument("--speed", type=float, required=True, metavar="M/S")
+    one.add_argument("--without", nargs="+", choices=ballast.NAMES[2:], default=[],
+                     help="parameters that are not fitted: no void, no dip, fixed length")
+    one.add_argument("--program", type=pathlib.Path)
     draws(one)
     one = command("list", list_datasets)
     one.add_argument("file", type=pathlib.Path, metavar="FILE")

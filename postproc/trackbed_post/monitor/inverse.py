@@ -31,7 +31,7 @@ SPREAD = 0.5         # m, over which forces are similarly strong
 LEAST = 0.1          # strength of a force anywhere over the largest
 EXTENT = 1.2         # m, on both sides of the largest force: beyond, the rail is even
 DRIFT = 3            # degree of the polynomial that makes it so
-DRAWS = 30           # forces from their distribution, for the uncertainty of the irregularity
+DRAWS = 30           # forces from their distribution, for uncertainties
 
 
 @dataclasses.dataclass(frozen=True)
@@ -57,10 +57,12 @@ class Forces:
     curves: tuple
     draw: typing.Callable  # (random generator) -> force from the distribution after the measurement
 
-    def peak(self, wheel=0):
+    def peak(self, wheel=0, seed=1):
         """(largest force, N, its standard deviation, N, its place, m)."""
+        random = np.random.default_rng(seed)
+        drawn = [self.draw(random)[wheel].max() for _ in range(DRAWS)]
         at = int(np.argmax(self.force[wheel]))
-        return float(self.force[wheel, at]), float(self.deviation[wheel, at]), float(self.x[at])
+        return float(self.force[wheel, at]), float(np.std(drawn)), float(self.x[at])
 
 
 class Passing:
@@ -263,7 +265,7 @@ def irregularity(forces, kernel, speed, first=0, extent=EXTENT, draws=DRAWS, see
     the force, are chosen such that the rail is even beyond `extent` of the largest force."""
     refuse_irregularity(forces, kernel, speed, first)
     wheels, bogie = kernel.wheels, bogie_of(kernel.wheels, first)
-    load, middle = wheels.load[bogie], forces.peak()[2]
+    load, middle = wheels.load[bogie], float(forces.x[np.argmax(forces.force[0])])
     even = np.abs(forces.x - middle) > extent
     if min(np.sum(even & (forces.x < middle)), np.sum(even & (forces.x > middle))) < DRIFT + 2:
         raise read.Unreadable(f"the largest force, at {middle:.3g} m, is nearer than {extent:g} m "

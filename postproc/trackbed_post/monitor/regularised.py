@@ -3,7 +3,8 @@
 The unknown is white noise before the measurement (Tikhonov regularisation), or small singular
 values are left out (truncated). The strength of the regularisation is chosen by generalised
 cross-validation (Golub, Heath and Wahba 1979, doi:10.1080/00401706.1979.10489751), by the corner of
-the L-curve (Hansen 1992, doi:10.1137/1034115), or such that the residual is the noise.
+the L-curve (Hansen 1992, doi:10.1137/1034115; found as Satopaa et al. 2011,
+doi:10.1109/ICDCSW.2011.20, find knees), or such that the residual is the noise.
 """
 import numpy as np
 
@@ -85,10 +86,6 @@ def chosen(criterion, curves, noise):
         return int(np.argmin(validation))
     if criterion == "residual":
         return int(np.flatnonzero(residuals <= max(noise, residuals[0]))[-1])
-    # The corner: largest curvature of the curve of both logarithms.
-    first, second = np.log(np.maximum(residuals, 1e-300)), np.log(np.maximum(norms, 1e-300))
-    slopes = [np.gradient(one) for one in (first, second)]
-    bends = [np.gradient(one) for one in slopes]
-    length = np.maximum((slopes[0]**2 + slopes[1]**2)**1.5, 1e-12)
-    curvature = (slopes[0] * bends[1] - slopes[1] * bends[0]) / length
-    return int(np.argmax(curvature[2:-2])) + 2
+    # The point of the L-curve that is farthest from the line between its ends.
+    logs = [np.log(np.maximum(one, 1e-300)) for one in (residuals, norms)]
+    return int(np.argmin(sum((one - one.min()) / max(np.ptp(one), 1e-300) for one in logs)))

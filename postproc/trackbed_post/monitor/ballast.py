@@ -1,0 +1,221 @@
+"""Stiffness of the ballast, and a void below the sleeper with the sensor, from its displacement.
+
+The program's own track, with the train of the deck on an even rail, is fitted to the reconstructed
+displacement. Three parameters state the stiffness of the ballast springs, after Paper E of the
+thesis: far from the sensor (`outside`), at the sensor (`inside`), and the length of the transition
+between, a Gaussian in the logarithm. A void is the gap of that sleeper to its ballast. A dip of the
+running surface at the sensor, of unknown depth, is fitted with them, as its dynamic forces change
+the displacement, too.
+"""
+import dataclasses
+import json
+import math
+import pathlib
+import subprocess
+import tempfile
+import tomllib
+
+import numpy as np
+import scipy.optimize
+import scipy.signal
+
+from trackbed_post import read
+from trackbed_post.monitor import displacement, inverse
+
+NAMES = ("outside", "inside", "length", "void", "dip")
+UNITS = {"outside": "N/m", "inside": "N/m", "length": "m", "void": "m", "dip": "m"}
+LINEAR = ("void", "dip")  # the others are fitted by their logarithms
+LOWEST = {"outside": 1e6, "inside": 1e6, "length": 0.6, "void": 0.0, "dip": 0.0}
+HIGHEST = {"outside": 1e9, "inside": 1e9, "length": 6.0, "void": 5e-3, "dip": 1e-2}
+TYPICAL = {"length": 1.5, "void": 2e-4, "dip": 1e-3}  # the length within a factor of e
+STEP = 4e-4         # s, longest of the passage: wavelengths of a metre and more matter
+FITTED = 3.0        # m, shorter wavelengths are those of dips
+DIP = 1.5           # m, length of a dip
+EVERY = 0.25        # m, of the samples that are compared
+ALIKE = 5.0         # m, over which errors of the displacement are alike
+FLOOR = 0.005       # of the largest displacement: what the model leaves out
+SIGNIFICANT = 3.0   # standard deviations of a void that is one
+PERTURBED = 0.05    # of unknowns, for derivatives
+VOIDS = (2e-4, 1e-3)  # m, from which the fit begins
+MOST_TRIALS = 20
+
+
+@dataclasses.dataclass(frozen=True)
+class Ballast:
+    """Values and standard deviations by NAMES (N/m of one rail seat; m), those that were fitted;
+    root mean square of the weighted residuals: 1 and less if the model explains the signal; by how
+    much a void has reduced the sum of their squares; displacement that was fitted and that of the model, m, over the position of the first wheel."""
+    value: dict
+    deviation: dict
+    misfit: float
+    gain: float
+    x: np.ndarray
+    measured: np.ndarray
+    model: np.ndarray
+
+    @property
+    def has_void(self):
+        """Whether a void was fitted that is not 0 by chance."""
+        return self.gain > SIGNIFICANT**2 and \
+            self.value["void"] > SIGNIFICANT * self.deviation["void"]
+
+
+class Track:
+    """Displacement of a sleeper of the deck's track during the passage of its train."""
+
+    def __init__(self, program, deck, sensor, speed):
+        self.program, self.deck, self.speed = pathlib.Path(program), pathlib.Path(deck), speed
+        with self.deck.open("rb") as file:
+            given = tomllib.load(file)
+        track = given.get("track", {})
+        self.zones = track.get("zone", [])
+        self.spacing = track.get("spacing", 0.6)
+        self.sleepers = np.arange(0, track.get("length", 60.0) + self.spacing / 2, self.spacing)
+        self.sensor = float(self.sleepers[np.argmin(np.abs(self.sleepers - sensor))])
+        self.stiffness = given.get("ballast", {}).get("stiffness", 60e6)
+        if any("spacing" in zone for zone in self.zones):
+            raise read.Unreadable(f"{deck}: sleepers of other spacing (track.zone.spacing) are not "
+                                  "available here")
+
+    def zones_of(self, value):
+        """Zones of the deck, and one for each sleeper whose ballast differs from `outside`."""
+        more = []
+        ratio = math.log(value["inside"] / value["outside"])
+        for x in self.sleepers:
+            factor = math.exp(ratio * math.exp(-((x - self.sensor) / value["length"])**2 / 2))
+            zone = {"from": max(x - self.spacing / 2, 0.0), "to": x + self.spacing / 2}
+            if abs(factor - 1) > 1e-3:
+                zone["bed"] = factor
+            if x == self.sensor and value["void"] > 0:
+                zone["gap"] = value["void"]
+            if len(zone) > 2:
+                more.append(zone)
+        return [*self.zones, *more]
+
+    def displacement(self, value):
+        """(position of the first wheel, m; displacement, m, up)."""
+        zones = ", ".join("{" + ", ".join(f"{key} = {json.dumps(one)}" for key, one in zone.items())
+                          + "}" for zone in self.zones_of(value))
+        with tempfile.TemporaryDirectory() as folder:
+            ran = subprocess.run(
+                [self.program, "run", self.deck, f"train.speed={self.speed!r}",
+                 *dip_of(value["dip"], self.sensor), f"passage.step={STEP}",
+                 f"output.history_interval={STEP}", f"passage.points=[{self.sensor}]",
+                 f"ballast.stiffness={value['outside']!r}", f"track.zone=[{zones}]", "-o", folder,
+                 "--force"], capture_output=True, text=True, check=False)
+            if ran.returncode:
+                raise read.Unreadable(f"trackbed ended with {ran.returncode}:\n{ran.stderr}")
+            run = read.datasets(folder)
+        return (run["history/wheel/x"].values[:, 0],
+                run["history/sleeper/displacement"].values.ravel())
+
+
+def dip_of(depth, at):
+    """Overrides for a smooth dip, or an even rail."""
+    if not depth > 0:
+        return ["irregularity.kind=none"]
+    return ["irregularity.kind=versine", f"irregularity.at={at!r}", f"irregularity.length={DIP}",
+            f"irregularity.depth={depth!r}"]
+
+
+class Fit:
+    """Weighted residuals of the model for parameters in units of about their uncertainty."""
+
+    def __init__(self, track, found, rate, free):
+        self.track, self.free = track, free
+        self.step = track.speed / rate
+        self.measured = slow(found.displacement, self.step)
+        self.error = np.hypot(found.deviation, FLOOR * found.peak[0])
+        self.start = {"outside": track.stiffness, "inside": track.stiffness,
+                      "length": TYPICAL["length"], "void": 0.0, "dip": 0.0}
+
+    def values(self, unknown):
+        value = dict(self.start)
+        for name, one in zip(self.free, unknown):
+            value[name] = float(one * TYPICAL[name] if name in LINEAR else math.exp(one))
+        if "inside" not in self.free:
+            value["inside"] = value["outside"]
+        return value
+
+    def unknown(self, value):
+        return np.array([value[name] / TYPICAL[name] if name in LINEAR else
+                         math.log(value[name]) for name in self.free])
+
+    def compared(self, unknown):
+        """(position of the first wheel, measured, model, weight) every EVERY m."""
+        x, model = self.track.displacement(self.values(unknown))
+        even = np.arange(x[0], x[-1], self.step)
+        model = slow(np.interp(even, x, model), self.step)
+        similar = scipy.signal.correlate(self.measured, model, "full")
+        at = int(np.argmax(similar))
+        if not 0 < at < len(similar) - 1:
+            raise read.Unreadable("the record does not contain the passage of this train")
+        shift = at + inverse.vertex(similar[at - 1:at + 2])[0] - (len(model) - 1)  # samples
+        place = np.arange(len(model)) + shift
+        inside = (place >= 0) & (place <= len(self.measured) - 1)
+        rows = np.flatnonzero(inside)[::max(int(EVERY / self.step), 1)]
+        samples = np.arange(len(self.measured))
+        measured = np.interp(place[rows], samples, self.measured)
+        error = np.interp(place[rows], samples, self.error)
+        return even[rows], measured, model[rows], np.sqrt(EVERY / ALIKE) / error
+
+    def jacobian(self, unknown):
+        here = self.residuals(unknown)
+        columns = []
+        for number, end in enumerate(self.unknown({name: HIGHEST[name] for name in self.free})):
+            step = PERTURBED if unknown[number] + PERTURBED < end else -PERTURBED
+            columns.append((self.residuals(unknown + step * np.eye(len(unknown))[number]) - here)
+                           / step)
+        return np.transpose(columns)
+
+    def solved(self, start):
+        """Result of scipy's least squares from these values."""
+        ends = [self.unknown({name: end[name] for name in self.free}) for end in (LOWEST, HIGHEST)]
+        begin = np.clip(self.unknown(start), ends[0] + 1e-6, ends[1] - 1e-6)
+        return scipy.optimize.least_squares(self.residuals, begin, self.jacobian, bounds=ends,
+                                            xtol=1e-3, ftol=1e-3, max_nfev=MOST_TRIALS)
+
+    def ballast(self, done, gain=0.0):
+        """Of a result; gain: by which a void has reduced the sum of squares."""
+        value = self.values(done.x)
+        x, measured, model, weight = self.compared(done.x)
+        independent = max(len(x) * EVERY / ALIKE - len(self.free), 1.0)
+        misfit = float(np.sqrt(np.sum(((measured - model) * weight)**2) / independent))
+        covariance = np.linalg.pinv(done.jac.T @ done.jac) * max(misfit, 1.0)**2
+        scale = {name: TYPICAL[name] if name in LINEAR else value[name] for name in self.free}
+        deviation = {name: float(one * scale[name])
+                     for name, one in zip(self.free, np.sqrt(np.diag(covariance)))}
+        return Ballast(value=value, deviation=deviation, misfit=misfit, x=x, measured=measured,
+                       model=model, gain=gain / max(misfit, 1.0)**2)
+
+    def residuals(self, unknown):
+        _, measured, model, weight = self.compared(unknown)
+        expected = [math.log(self.values(unknown)["length"] / TYPICAL["length"])] \
+            if "length" in self.free else []
+        count = int(2 * len(self.track.sleepers) * self.track.spacing / EVERY)
+        found = np.zeros(count + 1)
+        found[:min(count, len(model))] = ((measured - model) * weight)[:count]
+        found[count:count + len(expected)] = expected
+        return found
+
+
+def slow(values, step):
+    sections = scipy.signal.butter(2, step / FITTED, fs=1.0, output="sos")
+    return scipy.signal.sosfiltfilt(sections, values)
+
+
+def calibrate(acceleration, rate, track, free=NAMES, doubtful=None):
+    """The Ballast below a sensor. `free`: parameters that are fitted; the others are those of the
+    deck, without a void and a dip."""
+    if unknown := set(free) - set(NAMES):
+        raise read.Unreadable(f"{', '.join(sorted(unknown))}: the parameters are "
+                              f"{', '.join(NAMES)}")
+    found = displacement.reconstruct(acceleration, rate, track.speed, doubtful=doubtful)
+    sound = Fit(track, found, rate, [name for name in free if name != "void"])
+    done = sound.solved(sound.start)
+    if "void" not in free:
+        return sound.ballast(done)
+    fit = Fit(track, found, rate, list(free))
+    best = min((fit.solved(sound.values(done.x) | {"void": void}) for void in VOIDS),
+               key=lambda one: one.cost)
+    return fit.ballast(best, gain=2 * (done.cost - best.cost))

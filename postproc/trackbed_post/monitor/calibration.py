@@ -1,0 +1,49 @@
+"""The command `trackbed_post ballast`: stiffness of the ballast and a void below a sensor."""
+import matplotlib.pyplot as plt
+
+from trackbed_post import measured, read
+from trackbed_post.monitor import ballast
+
+WORDS = {"outside": "stiffness of the ballast, far", "inside": "stiffness at the sensor",
+         "length": "length of the transition", "void": "void below the sleeper",
+         "dip": "dip of the running surface"}
+SHOWN = {"N/m": ("MN/m", 1e-6), "m": ("mm", 1e3)}
+POOR = 2.0  # misfit
+
+
+def calibrate(signal_name, folder, deck, program, sensor, speed, without):
+    """Writes a table and a picture of a passage into a write.Folder."""
+    signal = measured.load(signal_name)
+    if signal.unit != "m/s2":
+        raise read.Unreadable(f"the unit is {signal.unit}, not that of an acceleration")
+    folder.remarks += signal.remarks
+    free = [name for name in ballast.NAMES if name not in without]
+    track = ballast.Track(program, deck, sensor, speed)
+    found = ballast.calibrate(signal.values, signal.rate, track, free, signal.doubtful)
+    lines = []
+    for name in free:
+        unit, factor = SHOWN[ballast.UNITS[name]] if name != "length" else ("m", 1.0)
+        lines.append(f"{WORDS[name]:30} {factor * found.value[name]:10.4g} {unit:5} standard "
+                     f"deviation {factor * found.deviation[name]:.2g}\n")
+    if "void" in free:
+        lines.append(f"{'there is a void':30} {'yes' if found.has_void else 'no':>10}\n")
+    lines.append(f"{'misfit':30} {found.misfit:10.3g}\n")
+    folder.table("ballast.txt", "".join(lines))
+    if found.misfit > POOR:
+        folder.remarks.append(f"the misfit of {found.misfit:.2g} is above {POOR:g}: the model does "
+                              "not explain the signal; its values and deviations mean little")
+    folder.picture("ballast", picture(found, track.sensor))
+
+
+def picture(found, sensor):
+    figure, panel = plt.subplots(figsize=(10, 4), constrained_layout=True)
+    panel.plot(found.x, 1e3 * found.measured, ".", ms=3, label="reconstructed")
+    panel.plot(found.x, 1e3 * found.model, lw=1, label="model")
+    panel.axvline(sensor, color="0.6", lw=0.8, ls=":")
+    panel.set_xlabel("position of the first wheel (m); dotted: sensor")
+    panel.set_ylabel("displacement of the sleeper (mm)")
+    panel.set_title(f"Wavelengths above {ballast.FITTED:g} m: ballast at the sensor "
+                    f"{1e-6 * found.value['inside']:.3g} MN/m of one rail seat", fontsize=10)
+    panel.legend(fontsize=8)
+    panel.grid(alpha=0.3)
+    return figure

@@ -1,0 +1,101 @@
+"""Calibration of the ballast with a beam on springs in place of the program."""
+import conftest
+import numpy as np
+import pytest
+
+from trackbed_post import read
+from trackbed_post.monitor import ballast
+
+RATE, SPEED = 2000.0, 50.0
+BEHIND, LOAD, BENDING = np.array([0.0, 2.9, 19.0, 21.9]), 75e3, 6.4e6
+
+
+class Beam:
+    """Winkler's beam whose bed has the stiffness at the sensor below it and that far away beyond:
+    a blend of both deflection lines. A void adds what the sleeper falls below a wheel."""
+    speed, stiffness, spacing, sensor = SPEED, 30e6, 0.6, 18.0
+    sleepers = np.arange(0, 36.3, 0.6)
+
+    def displacement(self, value):
+        x = np.arange(0.0, 60.0, SPEED / RATE)
+        found = np.zeros(len(x))
+        for behind in BEHIND:
+            apart = np.abs(x - behind - self.sensor)
+            lines = []
+            for name in ("inside", "outside"):
+                root = (value[name] / self.spacing / (4 * BENDING))**0.25
+                lines.append(LOAD * root / (2 * value[name] / self.spacing) * np.exp(-root * apart)
+                             * (np.cos(root * apart) + np.sin(root * apart)))
+            near = np.exp(-(apart / (2 * value["length"]))**2)
+            found -= near * lines[0] + (1 - near) * lines[1]
+            found -= value["void"] * np.exp(-(apart / 0.8)**4)
+            found -= 0.2 * value["dip"] * np.exp(-((x - behind - self.sensor - 1) / 0.5)**2)
+        return x, found
+
+
+def signal_of(value, part=1e-3, seed=1):
+    _, moved = Beam().displacement({"length": 1.5, "void": 0.0, "dip": 0.0} | value)
+    moved = np.pad(moved, (3000, 3000))
+    acceleration = np.gradient(np.gradient(moved, 1 / RATE), 1 / RATE)
+    size = part * np.sqrt(np.mean(acceleration**2))
+    return acceleration + size * np.random.default_rng(seed).standard_normal(len(acceleration))
+
+
+@pytest.mark.parametrize("inside, outside", [(20e6, 20e6), (10e6, 30e6), (50e6, 25e6)])
+def test_stiffness_is_found(inside, outside):
+    found = ballast.calibrate(signal_of({"inside": inside, "outside": outside}), RATE, Beam(),
+                              ("outside", "inside", "length"))
+    assert found.value["inside"] == pytest.approx(inside, rel=0.1)
+    for name, true in (("inside", inside), ("outside", outside)):
+        assert abs(found.value[name] - true) < 3 * found.deviation[name] + 0.1 * true
+    assert found.misfit < 2 and not found.has_void
+
+
+def test_dip_does_not_change_the_stiffness():
+    given = {"inside": 20e6, "outside": 25e6, "dip": 2e-3}
+    found = ballast.calibrate(signal_of(given), RATE, Beam(), ("outside", "inside", "dip"))
+    assert found.value["inside"] == pytest.approx(20e6, rel=0.1)
+    assert found.value["dip"] == pytest.approx(2e-3, abs=3 * found.deviation["dip"])
+
+
+@pytest.mark.parametrize("void", [0.0, 4e-4])
+def test_void_is_found_where_there_is_one(void):
+    found = ballast.calibrate(signal_of({"inside": 20e6, "outside": 20e6, "void": void}), RATE,
+                              Beam(), ("outside", "inside", "void"))
+    assert found.has_void == (void > 0)
+    assert found.value["void"] == pytest.approx(void, abs=4 * found.deviation["void"])
+
+
+def test_what_cannot_be_fitted_is_refused(tmp_path):
+    with pytest.raises(read.Unreadable, match="the parameters are outside"):
+        ballast.calibrate(signal_of({"inside": 2e7, "outside": 2e7}), RATE, Beam(), ("density",))
+    deck = tmp_path / "deck.toml"
+    deck.write_text("[track]\nzone = [{from = 1, to = 2.2, spacing = 0.4}]\n", encoding="utf-8")
+    with pytest.raises(read.Unreadable, match="other spacing"):
+        ballast.Track("trackbed", deck, 2.0, SPEED)
+
+
+def test_zones_of_the_deck_are_kept(tmp_path):
+    deck = tmp_path / "deck.toml"
+    deck.write_text("[track]\nlength = 12\nzone = [{from = 5, to = 7, rail = 3}]\n",
+                    encoding="utf-8")
+    track = ballast.Track("trackbed", deck, 6.1, SPEED)
+    assert track.sensor == pytest.approx(6.0)
+    zones = track.zones_of({"outside": 2e7, "inside": 1e7, "length": 0.6, "void": 1e-3})
+    assert zones[0] == {"from": 5, "to": 7, "rail": 3}
+    at = next(zone for zone in zones[1:] if zone.get("gap"))
+    assert (at["from"], at["to"]) == pytest.approx((5.7, 6.3))
+    assert at["bed"] == pytest.approx(0.5) and at["gap"] == 1e-3
+    beside = next(zone for zone in zones[1:] if zone["from"] == pytest.approx(6.3))
+    assert beside["bed"] == pytest.approx(0.5**np.exp(-0.5))
+    alike = track.zones_of({"outside": 2e7, "inside": 2e7, "length": 0.6, "void": 0.0})
+    assert alike == zones[:1]
+
+
+def test_command_without_a_program(tmp_path):
+    deck, signal = tmp_path / "deck.toml", tmp_path / "sensor.csv"
+    deck.write_text('model = "track"\n', encoding="utf-8")
+    signal.write_text("time_s,a_m_s2\n0,1\n0.001,2\n", encoding="utf-8")
+    ran = conftest.call("ballast", signal, deck, "--sensor", "6", "--speed", "50", "--program",
+                        tmp_path / "none", "-o", tmp_path / "out")
+    assert ran.returncode == 2 and "is not a program" in ran.stderr
