@@ -24,7 +24,7 @@ import tomllib
 import launch
 from studies.study import INPUTS, Lines, Numbers, counted, read, reflowed, targets_table
 
-STUDIES = ("netirail", "shi", "demfem", "chen")
+STUDIES = ("netirail", "shi", "demfem", "chen", "crossing")
 WRONG_SIGN = 1
 HEAD = """# {title}
 <!-- made by jobs/study.py from numbers.csv -->
