@@ -12,8 +12,9 @@ matplotlib.use("Agg")
 from trackbed_post import (curves, geometry, kinds, read, report, still, sweep,  # noqa: E402
                            transition, vibration, write)
 from trackbed_post.monitor import command as monitor_command  # noqa: E402
+from trackbed_post.monitor import (ballast, calibration, greens, indicators,  # noqa: E402
+                                   regularised)
 from trackbed_post.monitor import forces as monitor_forces  # noqa: E402
-from trackbed_post.monitor import ballast, calibration, greens, indicators, regularised  # noqa: E402
 
 FORMATS = ("png", "pdf", "svg", "csv")  # csv: the lines of each figure
 
@@ -121,7 +122,8 @@ def run_monitor(given):
 
 def find_forces(given):
     """wheel forces and irregularity of the running surface from the acceleration of a sleeper"""
-    folder = write.Folder(given.output, f"{pathlib.Path(given.signal).name}, {given.kernel.name}", given.format)
+    folder = write.Folder(given.output, f"{pathlib.Path(given.signal).name}, {given.kernel.name}",
+                          given.format)
     monitor_forces.forces(given.signal, folder, given.kernel, given.speed, first=given.axle - 1,
                           quantity=given.quantity, method=given.method, criterion=given.criterion)
     print_folders([folder])

@@ -118,12 +118,14 @@ def _opened(path):
         raise Unreadable(f"{path} is not an HDF5 file, or is damaged ({reason})") from None
 
 
-def _text(value):
+def as_text(value):
+    """An attribute that is text, as HDF5 stores it."""
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
 def _quantity(dataset):
-    return Quantity(dataset[()], _text(dataset.attrs["units"]), _text(dataset.attrs["long_name"]))
+    return Quantity(dataset[()], as_text(dataset.attrs["units"]),
+                    as_text(dataset.attrs["long_name"]))
 
 
 def _is_axis(path, dataset):
@@ -223,13 +225,13 @@ def _breaks(rows):
 
 
 def _foreign(file_path, file):
-    kind = _text(file.attrs.get("kind", ""))
+    kind = as_text(file.attrs.get("kind", ""))
     return (f"{file_path} is not a results.h5 of trackbed"
             f"{f' but a {kind}' if kind else ''}")
 
 
 def _results(file_path, file):
-    deck = tomllib.loads(_text(file.attrs["deck"]))
+    deck = tomllib.loads(as_text(file.attrs["deck"]))
     stages = file["chains"] if "chains" in file else {}
     stone_stages = file["stones"] if "stones" in file else {}
     surfaces = file["surface"] if "surface" in file else {}
@@ -238,7 +240,7 @@ def _results(file_path, file):
     return Results(
         name=file_path.parent.name,
         deck=deck,
-        version=_text(file.attrs["version"]),
+        version=as_text(file.attrs["version"]),
         ranks=int(np.ravel(file.attrs["ranks"])[0]),
         sleepers_x=_array(file, "sleepers/x"),
         ground_x=_array(file, "ground/x"),
@@ -292,13 +294,13 @@ def origin(path):
     """(what wrote a results.h5, its deck as a dictionary, the deck's text)."""
     file_path = _place(path, "results.h5")
     with _opened(file_path) as file:
-        kind = _text(file.attrs.get("kind", "trackbed results"))
+        kind = as_text(file.attrs.get("kind", "trackbed results"))
         if "deck" not in file.attrs or kind != "trackbed results":  # a checkpoint has a deck, too
             raise Unreadable(_foreign(file_path, file))
-        text = _text(file.attrs["deck"])
-        words = f"trackbed {_text(file.attrs['version'])}"
+        text = as_text(file.attrs["deck"])
+        words = f"trackbed {as_text(file.attrs['version'])}"
         if "build" in file.attrs:
-            words += f", {_text(file.attrs['build'])}"
+            words += f", {as_text(file.attrs['build'])}"
         return words, tomllib.loads(text), text
 
 
@@ -317,7 +319,7 @@ def datasets(path):
                 path = item.name.lstrip("/")
                 if path.count("/") > 1 and _is_axis(path, item):
                     continue
-                label = (_text(item.attrs.get(key, "")) for key in ("units", "long_name"))
+                label = (as_text(item.attrs.get(key, "")) for key in ("units", "long_name"))
                 found[path] = Quantity(item[()], *label)
 
     with _opened(_place(path, "results.h5")) as file:

@@ -1,10 +1,12 @@
 """Calibration of the ballast with a beam on springs in place of the program."""
+import sys
+
 import conftest
 import numpy as np
 import pytest
 
 from trackbed_post import read
-from trackbed_post.monitor import ballast
+from trackbed_post.monitor import ballast, displacement
 
 RATE, SPEED = 2000.0, 50.0
 BEHIND, LOAD, BENDING = np.array([0.0, 2.9, 19.0, 21.9]), 75e3, 6.4e6
@@ -43,7 +45,7 @@ def signal_of(value, part=1e-3, seed=1):
 
 @pytest.mark.parametrize("inside, outside", [(20e6, 20e6), (10e6, 30e6), (50e6, 25e6)])
 def test_stiffness_is_found(inside, outside):
-    found = ballast.calibrate(signal_of({"inside": inside, "outside": outside}), RATE, Beam(),
+    found, _ = ballast.calibrate(signal_of({"inside": inside, "outside": outside}), RATE, Beam(),
                               ("outside", "inside", "length"))
     assert found.value["inside"] == pytest.approx(inside, rel=0.1)
     for name, true in (("inside", inside), ("outside", outside)):
@@ -53,14 +55,14 @@ def test_stiffness_is_found(inside, outside):
 
 def test_dip_does_not_change_the_stiffness():
     given = {"inside": 20e6, "outside": 25e6, "dip": 2e-3}
-    found = ballast.calibrate(signal_of(given), RATE, Beam(), ("outside", "inside", "dip"))
+    found, _ = ballast.calibrate(signal_of(given), RATE, Beam(), ("outside", "inside", "dip"))
     assert found.value["inside"] == pytest.approx(20e6, rel=0.1)
     assert found.value["dip"] == pytest.approx(2e-3, abs=3 * found.deviation["dip"])
 
 
 @pytest.mark.parametrize("void", [0.0, 4e-4])
 def test_void_is_found_where_there_is_one(void):
-    found = ballast.calibrate(signal_of({"inside": 20e6, "outside": 20e6, "void": void}), RATE,
+    found, _ = ballast.calibrate(signal_of({"inside": 20e6, "outside": 20e6, "void": void}), RATE,
                               Beam(), ("outside", "inside", "void"))
     assert found.has_void == (void > 0)
     assert found.value["void"] == pytest.approx(void, abs=4 * found.deviation["void"])
@@ -69,17 +71,54 @@ def test_void_is_found_where_there_is_one(void):
 def test_what_cannot_be_fitted_is_refused(tmp_path):
     with pytest.raises(read.Unreadable, match="the parameters are outside"):
         ballast.calibrate(signal_of({"inside": 2e7, "outside": 2e7}), RATE, Beam(), ("density",))
-    deck = tmp_path / "deck.toml"
-    deck.write_text("[track]\nzone = [{from = 1, to = 2.2, spacing = 0.4}]\n", encoding="utf-8")
-    with pytest.raises(read.Unreadable, match="other spacing"):
-        ballast.Track("trackbed", deck, 2.0, SPEED)
+    for change, why in (("zone = [{from = 1, to = 2.2, spacing = 0.4}]", "other spacing"),
+                        ('dimension = "space"', "two rails"), ("zone = ", "deck.toml")):
+        with pytest.raises(read.Unreadable, match=why):
+            ballast.Track(program_of(tmp_path), deck_of(tmp_path, change), 2.0, SPEED)
+    with pytest.raises(read.Unreadable, match="ended with 1"):
+        ballast.Track("false", deck_of(tmp_path, ""), 2.0, SPEED)
+
+
+def deck_of(folder, words):
+    deck = folder / "deck.toml"
+    deck.write_text(f"[track]\n{words}\n", encoding="utf-8")
+    return deck
+
+
+def program_of(folder):
+    """A program that writes a result of the deck, with what it leaves out."""
+    program = folder / "program.py"
+    program.write_text(f"""#!{sys.executable}
+import pathlib, sys
+import h5py
+deck = pathlib.Path(sys.argv[2]).read_text() + "length = 12\\nspacing = 0.6\\n"
+with h5py.File(pathlib.Path(sys.argv[-2]) / "results.h5", "w") as file:
+    file.attrs.update({{"deck": deck + "[ballast]\\nstiffness = 6e7\\n", "version": "0"}})
+""", encoding="utf-8")
+    program.chmod(0o755)
+    return program
+
+
+def test_residuals_are_those_of_the_whole_train():
+    class Long(Beam):
+        def displacement(self, value):
+            x = np.arange(0.0, 160.0, SPEED / RATE)
+            return x, np.interp(x % 60.0, *super().displacement(value))
+    track, value = Long(), {"inside": 2e7, "outside": 2e7, "length": 1.5, "void": 0.0, "dip": 0.0}
+    moved = np.pad(track.displacement(value)[1], (3000, 3000))
+    found = displacement.reconstruct(np.gradient(np.gradient(moved, 1 / RATE), 1 / RATE), RATE,
+                                     SPEED)
+    fit = ballast.Fit(track, found, RATE, ["inside", "outside"])
+    at = fit.unknown(value | {"inside": 1e7})
+    _, measured, model, weight = fit.compared(at)
+    assert len(model) > 600
+    assert np.sum(fit.residuals(at)**2) == pytest.approx(np.sum(((measured - model) * weight)**2))
 
 
 def test_zones_of_the_deck_are_kept(tmp_path):
-    deck = tmp_path / "deck.toml"
-    deck.write_text("[track]\nlength = 12\nzone = [{from = 5, to = 7, rail = 3}]\n",
-                    encoding="utf-8")
-    track = ballast.Track("trackbed", deck, 6.1, SPEED)
+    track = ballast.Track(program_of(tmp_path),
+                          deck_of(tmp_path, "zone = [{from = 5, to = 7, rail = 3}]"), 6.1, SPEED)
+    assert track.stiffness == 6e7
     assert track.sensor == pytest.approx(6.0)
     zones = track.zones_of({"outside": 2e7, "inside": 1e7, "length": 0.6, "void": 1e-3})
     assert zones[0] == {"from": 5, "to": 7, "rail": 3}

@@ -24,7 +24,7 @@ def vibration(lag, frequency, damping, mass):
 
 
 def kernel_of_formulas():
-    """A sleeper that feels forces within about 1.5 m; a rail that springs back at 80 Hz."""
+    """A sleeper that responds to forces within about 1.5 m; a rail that springs back at 80 Hz."""
     x = np.arange(0, LENGTH + 1e-9, STEP)
     lag = np.arange(300) / RATE
     near = np.exp(-np.abs((x - SENSOR) / 0.9)**1.5)[:, None]
@@ -39,7 +39,7 @@ def kernel_of_formulas():
         fixed={"left": {"displacement": near * moved, "acceleration": near * second}},
         wheels=greens.Wheels(np.array([0.0, 2.5, 19.0, 21.5]), np.full(4, LOAD), np.full(4, MASS),
                              CONSTANT, 1.5),
-        moving={"left": moving}, moving_x=x)
+        moving={"left": moving}, moving_x=x, behind=np.array([0.0, 2.5]))
 
 
 @dataclasses.dataclass
@@ -120,6 +120,9 @@ def test_unknown_choices_are_refused(passage):
             identified(passage, **choices)
     with pytest.raises(read.Unreadable, match="begins or ends while"):
         inverse.Problem(passage.acceleration[:2800], passage.kernel, SPEED, passage.start)
+    alone = dataclasses.replace(passage.kernel, wheels=None)
+    with pytest.raises(read.Unreadable, match="without a train"):
+        inverse.evaluate(passage.acceleration, alone, SPEED)
     with pytest.raises(read.Unreadable, match="no quantity"):
         inverse.Problem(passage.acceleration, passage.kernel, SPEED, passage.start, "velocity")
 
@@ -145,7 +148,10 @@ def test_whole_chain_also_with_a_reversed_sensor(passage):
         found, came, moved = inverse.evaluate(sign * noisy(passage, 1e-3), passage.kernel, SPEED)
         assert moved.reversed == (sign < 0)
         assert found.force[0].max() == pytest.approx(passage.force[0].max(), rel=0.1)
-        assert len(forces.remarks_of(came, moved)) >= moved.reversed
+        assert any("upside down" in one for one in forces.faults_of(moved)) == moved.reversed
+    heavy = dataclasses.replace(passage.kernel, wheels=dataclasses.replace(
+        passage.kernel.wheels, load=1.5 * passage.kernel.wheels.load))
+    assert "other ones" in forces.remarks_of(inverse.arrival(moved, heavy, SPEED), moved)[0]
 
 
 def test_irregularity_follows_from_true_forces(passage):
@@ -172,8 +178,9 @@ def test_irregularity_follows_from_true_forces(passage):
 
 
 @pytest.mark.parametrize("change, why", [
-    ({"moving": {}}, "--speed"), ({"speed": 40.0}, "not of 50 m/s"),
-    ({"moving_x": np.arange(18, 40, STEP)}, "does not cover")])
+    ({"moving": {}}, "--speed 50"), ({"speed": 40.0}, "that of 40 m/s"),
+    ({"behind": np.array([0.0])}, "--axles 2"), ({"behind": np.array([0.0, 3.0])}, "0, 3 m behind"),
+    ({"moving_x": np.arange(14, 40, STEP)}, "--from 9.5 or less")])
 def test_irregularity_needs_the_moving_response(passage, change, why):
     true = inverse.Forces(passage.x, passage.force, 0 * passage.force, 0, 0, 0, (), None)
     with pytest.raises(read.Unreadable, match=why):
@@ -220,8 +227,25 @@ def test_command(passage, tmp_path):
     assert table["force_1_kN"].max() == pytest.approx(1e-3 * passage.force[0].max(), rel=0.1)
     for name in ("forces.png", "irregularity.csv", "forces.txt"):
         assert (tmp_path / "out" / name).stat().st_size > 60
-    failed = conftest.call("forces", *words, "--speed", "45")
-    assert failed.returncode == 2, failed.stdout
+    other = conftest.call("forces", *words, "--speed", "50.2")
+    assert other.returncode == 0 and "with --speed 50.2" in other.stdout, other.stderr
+    for axle, why in ((0, "axles 1 to 4"), (2, "follows axle 1"), (9, "axles 1 to 4")):
+        failed = conftest.call("forces", *words, "--speed", "50", "--axle", str(axle))
+        assert failed.returncode == 2 and why in failed.stderr
+    failed = conftest.call("forces", *words, "--speed", "50", "--quantity", "displacement",
+                           "--criterion", "residual")
+    assert failed.returncode == 2 and "white noise" in failed.stderr
+    write_kernel(tmp_path / "coarse.h5", dataclasses.replace(passage.kernel,
+                                                             x=4 * passage.kernel.x))
+    failed = conftest.call("forces", tmp_path / "sensor.csv", "--kernel", tmp_path / "coarse.h5",
+                           "--speed", "50", "-o", tmp_path / "out")
+    assert failed.returncode == 2 and "smaller --apart" in failed.stderr
+    with h5py.File(tmp_path / "coarse.h5", "a") as file:
+        del file["fixed/left/acceleration"]
+    for file, why in (("coarse.h5", "no complete file"), (".", "is no file")):
+        failed = conftest.call("forces", tmp_path / "sensor.csv", "--kernel", tmp_path / file,
+                               "--speed", "50", "-o", tmp_path / "out")
+        assert failed.returncode == 2 and why in failed.stderr
     wrong = conftest.call("forces", tmp_path / "sensor.csv", "--kernel", tmp_path / "sensor.csv",
                           "--speed", "50", "-o", tmp_path / "out")
     assert wrong.returncode == 2 and "HDF5" in wrong.stderr

@@ -220,7 +220,7 @@ SILENT = [f"{TRAIN} track.zone=[{{from=0,to=11.9,gap=2e-3}},{{from=13,to=60,bed=
           f"{TRAIN} track.zone=[{{from=0,to=60,rail=2}}]"]
 # One error gives one message, without messages on its consequences.
 SINGLE = ["bed.x=[1.2,0]", "ground.x=[0,0]", "time.window=1", "stage.sleepers.kind=settle"]
-COMMANDS = "(commands: run, resume, check, describe, schema, info, shapes)"
+COMMANDS = "(commands: run, resume, check, describe, schema, info, shapes, kernel)"
 
 
 def check_problems(program, ranks):

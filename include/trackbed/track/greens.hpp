@@ -15,23 +15,22 @@ struct GreensParameters {
   std::size_t side = 0;             // of the sensor, at that end of the sleeper, and of the wheel
   double rate = 5000;               // Hz, of samples
   double duration = 0.2;            // s, of responses
-  double apart = 0.01;              // m, between positions of the force
   double speed = 0;                 // m/s, of the moving response
   std::vector<double> axles = {0};  // m, distance of each axle behind the first one
-  double from = 0, to = 0;          // m, range of the force of the moving response
-  double step = 2e-4;               // s, longest step of time integration
+  double step = 2e-4;               // s, longest step of time integration, of which a sample has a
+                                    // whole number
 };
 
 class GreensFunctions {
  public:
-  // The line must not have stops or moved parts; it must outlive this object. The step divides
-  // 1/rate.
+  // The line must not have stops or moved parts; it must outlive this object.
   GreensFunctions(const Line& line, const GreensParameters& parameters);
 
   // A force rises linearly from 0 to 1 N within 1/rate before time 0 and falls to 0 within 1/rate
   // after it. Responses at times n/rate, n = 0 ... samples() - 1; force and response are positive
   // upwards.
   std::size_t samples() const { return samples_; }
+  double step() const;  // s, of time integration
 
   // Response of the sensor, a row for each position x, a column for each sample.
   struct Fixed {

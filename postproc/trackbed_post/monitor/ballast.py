@@ -34,17 +34,19 @@ DIP = 1.5           # m, length of a dip
 EVERY = 0.25        # m, of the samples that are compared
 ALIKE = 5.0         # m, over which errors of the displacement are alike
 FLOOR = 0.005       # of the largest displacement: what the model leaves out
-SIGNIFICANT = 3.0   # standard deviations of a void that is one
+SIGNIFICANT = 3.0   # standard deviations by which a void must improve the fit
 PERTURBED = 0.05    # of unknowns, for derivatives
-VOIDS = (2e-4, 1e-3)  # m, from which the fit begins
-MOST_TRIALS = 20
+VOIDS = 2e-4, 1e-3  # m, from which the fit begins
+MARGIN = 8          # residuals, by which their number may grow from the first run on
+MOST_TRIALS = 20    # of unknowns, from one begin
 
 
 @dataclasses.dataclass(frozen=True)
 class Ballast:
     """Values and standard deviations by NAMES (N/m of one rail seat; m), those that were fitted;
     root mean square of the weighted residuals: 1 and less if the model explains the signal; by how
-    much a void has reduced the sum of their squares; displacement that was fitted and that of the model, m, over the position of the first wheel."""
+    much a void has reduced the sum of their squares; displacement that was fitted and that of the
+    model, m, over the position of the first wheel."""
     value: dict
     deviation: dict
     misfit: float
@@ -55,9 +57,9 @@ class Ballast:
 
     @property
     def has_void(self):
-        """Whether a void was fitted that is not 0 by chance."""
-        return self.gain > SIGNIFICANT**2 and \
-            self.value["void"] > SIGNIFICANT * self.deviation["void"]
+        """Whether a void was fitted that is not 0 by chance: a likelihood ratio. Its deviation does
+        not decide, as it is that of a void whatever the stiffness, which is fitted with it."""
+        return self.gain > SIGNIFICANT**2
 
 
 class Track:
@@ -65,17 +67,28 @@ class Track:
 
     def __init__(self, program, deck, sensor, speed):
         self.program, self.deck, self.speed = pathlib.Path(program), pathlib.Path(deck), speed
-        with self.deck.open("rb") as file:
-            given = tomllib.load(file)
-        track = given.get("track", {})
-        self.zones = track.get("zone", [])
-        self.spacing = track.get("spacing", 0.6)
-        self.sleepers = np.arange(0, track.get("length", 60.0) + self.spacing / 2, self.spacing)
+        try:
+            with self.deck.open("rb") as file:
+                self.zones = tomllib.load(file).get("track", {}).get("zone", [])
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError, AttributeError) as error:
+            raise read.Unreadable(f"{deck}: {error}") from None
+        # Values that the deck does not give are those of the program.
+        self.sensor = sensor
+        given, _ = self.ran(["passage.duration=1e-3"])
+        track = given["track"]
+        self.stiffness, self.spacing = given["ballast"]["stiffness"], track["spacing"]
+        self.sleepers = np.arange(0, track["length"] + self.spacing / 2, self.spacing)
+        self.require_plane(given)
         self.sensor = float(self.sleepers[np.argmin(np.abs(self.sleepers - sensor))])
-        self.stiffness = given.get("ballast", {}).get("stiffness", 60e6)
-        if any("spacing" in zone for zone in self.zones):
-            raise read.Unreadable(f"{deck}: sleepers of other spacing (track.zone.spacing) are not "
-                                  "available here")
+
+    def require_plane(self, given):
+        problem = ""
+        if given["track"].get("dimension") == "space":
+            problem = 'two rails (track.dimension = "space") are not available here'
+        elif any(zone.get("spacing") for zone in given["track"].get("zone", [])):
+            problem = "sleepers of other spacing (track.zone.spacing) are not available here"
+        if problem:
+            raise read.Unreadable(f"{self.deck}: {problem}")
 
     def zones_of(self, value):
         """Zones of the deck, and one for each sleeper whose ballast differs from `outside`."""
@@ -96,18 +109,22 @@ class Track:
         """(position of the first wheel, m; displacement, m, up)."""
         zones = ", ".join("{" + ", ".join(f"{key} = {json.dumps(one)}" for key, one in zone.items())
                           + "}" for zone in self.zones_of(value))
+        _, run = self.ran([*dip_of(value["dip"], self.sensor), f"track.zone=[{zones}]",
+                           f"ballast.stiffness={value['outside']!r}"])
+        return (run["history/wheel/x"].values[:, 0],
+                run["history/sleeper/displacement"].values.ravel())
+
+    def ran(self, words):
+        """(deck with all values, datasets) of a run."""
         with tempfile.TemporaryDirectory() as folder:
             ran = subprocess.run(
                 [self.program, "run", self.deck, f"train.speed={self.speed!r}",
-                 *dip_of(value["dip"], self.sensor), f"passage.step={STEP}",
-                 f"output.history_interval={STEP}", f"passage.points=[{self.sensor}]",
-                 f"ballast.stiffness={value['outside']!r}", f"track.zone=[{zones}]", "-o", folder,
-                 "--force"], capture_output=True, text=True, check=False)
+                 f"passage.step={STEP}", f"output.history_interval={STEP}",
+                 f"passage.points=[{self.sensor}]", *words, "-o", folder, "--force"],
+                capture_output=True, text=True, check=False)
             if ran.returncode:
                 raise read.Unreadable(f"trackbed ended with {ran.returncode}:\n{ran.stderr}")
-            run = read.datasets(folder)
-        return (run["history/wheel/x"].values[:, 0],
-                run["history/sleeper/displacement"].values.ravel())
+            return read.origin(folder)[1], read.datasets(folder)
 
 
 def dip_of(depth, at):
@@ -123,6 +140,7 @@ class Fit:
 
     def __init__(self, track, found, rate, free):
         self.track, self.free = track, free
+        self.count = None  # of residuals, of the first run
         self.step = track.speed / rate
         self.measured = slow(found.displacement, self.step)
         self.error = np.hypot(found.deviation, FLOOR * found.peak[0])
@@ -192,10 +210,12 @@ class Fit:
         _, measured, model, weight = self.compared(unknown)
         expected = [math.log(self.values(unknown)["length"] / TYPICAL["length"])] \
             if "length" in self.free else []
-        count = int(2 * len(self.track.sleepers) * self.track.spacing / EVERY)
-        found = np.zeros(count + 1)
-        found[:min(count, len(model))] = ((measured - model) * weight)[:count]
-        found[count:count + len(expected)] = expected
+        if self.count is None:
+            self.count = len(model) + MARGIN
+        found = np.zeros(self.count + len(expected))
+        used = min(self.count, len(model))
+        found[:used] = ((measured - model) * weight)[:used]
+        found[self.count:] = expected
         return found
 
 
@@ -205,8 +225,8 @@ def slow(values, step):
 
 
 def calibrate(acceleration, rate, track, free=NAMES, doubtful=None):
-    """The Ballast below a sensor. `free`: parameters that are fitted; the others are those of the
-    deck, without a void and a dip."""
+    """(Ballast below a sensor, Reconstruction). `free`: parameters that are fitted; the others are
+    those of the deck, without a void and a dip."""
     if unknown := set(free) - set(NAMES):
         raise read.Unreadable(f"{', '.join(sorted(unknown))}: the parameters are "
                               f"{', '.join(NAMES)}")
@@ -214,8 +234,8 @@ def calibrate(acceleration, rate, track, free=NAMES, doubtful=None):
     sound = Fit(track, found, rate, [name for name in free if name != "void"])
     done = sound.solved(sound.start)
     if "void" not in free:
-        return sound.ballast(done)
+        return sound.ballast(done), found
     fit = Fit(track, found, rate, list(free))
     best = min((fit.solved(sound.values(done.x) | {"void": void}) for void in VOIDS),
                key=lambda one: one.cost)
-    return fit.ballast(best, gain=2 * (done.cost - best.cost))
+    return fit.ballast(best, gain=2 * (done.cost - best.cost)), found

@@ -2,7 +2,7 @@
 import matplotlib.pyplot as plt
 
 from trackbed_post import measured, read
-from trackbed_post.monitor import ballast
+from trackbed_post.monitor import ballast, forces
 
 WORDS = {"outside": "stiffness of the ballast, far", "inside": "stiffness at the sensor",
          "length": "length of the transition", "void": "void below the sleeper",
@@ -16,10 +16,10 @@ def calibrate(signal_name, folder, deck, program, sensor, speed, without):
     signal = measured.load(signal_name)
     if signal.unit != "m/s2":
         raise read.Unreadable(f"the unit is {signal.unit}, not that of an acceleration")
-    folder.remarks += signal.remarks
     free = [name for name in ballast.NAMES if name not in without]
     track = ballast.Track(program, deck, sensor, speed)
-    found = ballast.calibrate(signal.values, signal.rate, track, free, signal.doubtful)
+    found, moved = ballast.calibrate(signal.values, signal.rate, track, free, signal.doubtful)
+    folder.remarks += [*signal.remarks, *forces.faults_of(moved)]
     lines = []
     for name in free:
         unit, factor = SHOWN[ballast.UNITS[name]] if name != "length" else ("m", 1.0)

@@ -9,7 +9,8 @@ import scipy.signal
 from trackbed_post import measured, read
 from trackbed_post.monitor import displacement, greens, inverse
 
-NEAR = 0.02  # of the ratio of displacements to 1 beyond which loads or track are other ones
+NEAR = 0.05  # of the ratio of displacements to 1: a dip changes it by up to 3 %
+APART = 2    # samples, largest distance of forces in a kernel
 RATIO = 10   # largest denominator when the rate is changed
 
 
@@ -18,10 +19,22 @@ def forces(signal_name, folder, kernel_path, speed, **choices):
     kernel, signal = greens.load(kernel_path), measured.load(signal_name)
     if signal.unit != "m/s2":
         raise read.Unreadable(f"the unit is {signal.unit}, not that of an acceleration")
-    folder.remarks += signal.remarks
+    if kernel.x[1] - kernel.x[0] > APART * speed / kernel.rate:
+        raise read.Unreadable(f"forces are {100 * (kernel.x[1] - kernel.x[0]):.3g} cm apart in the "
+                              f"Green's functions, but a sample is {100 * speed / kernel.rate:.3g} "
+                              "cm: call `trackbed kernel` with a smaller --apart")
     values, doubtful = at_rate(signal, kernel.rate)
     found, came, moved = inverse.evaluate(values, kernel, speed, doubtful, **choices)
-    folder.remarks += remarks_of(came, moved)
+    folder.remarks += [*signal.remarks, *faults_of(moved), *remarks_of(came, moved)]
+    surface = None
+    try:
+        surface = inverse.irregularity(found, kernel, speed, choices.get("first", 0))
+    except read.Unreadable as why:
+        folder.remarks.append(f"no irregularity: {why}")
+    write(folder, found, came, surface, kernel.sensor)
+
+
+def write(folder, found, came, surface, sensor):
     wheels = range(len(found.force))
     folder.file("forces.csv", table(
         ["x_m", *(f"{what}_{wheel + 1}_kN" for wheel in wheels for what in ("force", "deviation"))],
@@ -32,9 +45,7 @@ def forces(signal_name, folder, kernel_path, speed, **choices):
         size, deviation, place = found.peak(wheel)
         rows += [(f"largest force of wheel {wheel + 1}", "kN", 1e-3 * size, 1e-3 * deviation),
                  (f"its place, wheel {wheel + 1}", "m", place, came.deviation)]
-    surface = None
-    if kernel.moving:
-        surface = inverse.irregularity(found, kernel, speed, choices.get("first", 0))
+    if surface:
         folder.file("irregularity.csv", table(
             ["x_m", "height_mm", "deviation_mm", "wheel_mm", "rail_mm"],
             [surface.x, *(1e3 * part for part in (surface.height, surface.deviation, surface.wheel,
@@ -44,7 +55,7 @@ def forces(signal_name, folder, kernel_path, speed, **choices):
     lines = [f"{name:32} {value:10.4g} {unit:3} standard deviation {deviation:.2g}\n"
              for name, unit, value, deviation in rows]
     folder.table("forces.txt", "".join(lines))
-    folder.picture("forces", picture(found, surface, kernel.sensor))
+    folder.picture("forces", picture(found, surface, sensor))
 
 
 def at_rate(signal, rate):
@@ -58,22 +69,28 @@ def at_rate(signal, rate):
             values = scipy.signal.resample_poly(signal.values, up, down, padtype="line")
             at = np.minimum(np.arange(len(values)) * down // up, len(doubtful) - 1)
             return values, doubtful[at]
-    raise read.Unreadable(f"{signal.rate:g} samples per second cannot be changed to the {rate:g} of "
-                          "the Green's functions: call `trackbed kernel` with --rate")
+    even = signal.rate / np.ceil(signal.rate / rate)
+    raise read.Unreadable(f"{signal.rate:g} samples per second cannot be changed to the {rate:g} "
+                          f"of the Green's functions: call `trackbed kernel` with --rate {even:g}")
 
 
-def remarks_of(came, moved):
+def faults_of(moved):
+    """Remarks on a Reconstruction."""
     remarks = []
     if moved.reversed:
         remarks.append("the sensor is upside down; its signal was reversed")
     if moved.misfit > displacement.TRUSTED:
         remarks.append(f"the misfit of {moved.misfit:.3g} is above {displacement.TRUSTED:g}: the "
-                       "signal has a fault, and so have the forces")
-    if abs(came.ratio - 1) > max(NEAR, 2 * moved.deviation.max() / moved.peak[0]):
-        remarks.append(f"the sleeper is displaced {came.ratio:.3g} times as far as under the static "
-                       "forces on the track of the Green's functions: axle loads or ballast are "
-                       "other ones")
+                       "signal has a fault, and so have the results")
     return remarks
+
+
+def remarks_of(came, moved):
+    """Of a displacement that is not that of the kernel's track and train."""
+    if abs(came.ratio - 1) <= max(NEAR, 2 * moved.deviation.max() / moved.peak[0]):
+        return []
+    return [f"the sleeper is displaced {came.ratio:.3g} times as far as under the static forces on "
+            "the track of the Green's functions: axle loads or ballast are other ones"]
 
 
 def table(names, columns):

@@ -4,6 +4,7 @@ paths of wheels (section 5.7 of the thesis).
 Forces of wheels are downward, responses upward positive.
 """
 import dataclasses
+import pathlib
 
 import h5py
 import numpy as np
@@ -34,8 +35,8 @@ class Wheels:
 class Kernel:
     """Responses to a force of one sample: `fixed`, of the sensor, by rail and quantity, [position,
     lag], m/N or m/s2/N; `moving`, of the rail below the first wheel, by rail, a table for each of
-    the first axles. x, moving_x, sensor in m; rate in Hz; speed of the moving response, m/s, or 0;
-    `wheels` of the deck's train, or None."""
+    the axles that are `behind` m behind this wheel. x, moving_x, sensor in m; rate in Hz; speed of
+    the moving response, m/s, or 0; `wheels` of the deck's train, or None."""
     rate: float
     sensor: float
     side: str
@@ -45,6 +46,7 @@ class Kernel:
     wheels: Wheels
     moving_x: np.ndarray
     moving: dict
+    behind: np.ndarray
 
     @property
     def samples(self):
@@ -53,25 +55,37 @@ class Kernel:
 
 def load(path):
     """A Kernel from a file of `trackbed kernel`."""
+    if not pathlib.Path(path).is_file():
+        raise read.Unreadable(f"{path} is no file: give one that `trackbed kernel` wrote")
     found = read.datasets(path)
-    with h5py.File(path) as file:
-        if file.attrs.get("kind", b"").decode() != KIND:
-            raise read.Unreadable(f"{path} was not written by `trackbed kernel`")
-        given = {name: file.attrs[name] for name in ("rate", "sensor_x", "side", "speed")}
-        contact = [float(file["train"].attrs[f"contact_{name}"])
-                   for name in ("constant", "exponent")] if "train" in file else None
+    try:
+        with h5py.File(path) as file:
+            if read.as_text(file.attrs.get("kind", "")) != KIND:
+                raise read.Unreadable(f"{path} was not written by `trackbed kernel`")
+            return kernel_of(file.attrs, file["train"].attrs if "train" in file else {}, found)
+    except (KeyError, IndexError, AttributeError) as error:
+        raise read.Unreadable(f"{path} is no complete file of `trackbed kernel` ({error})") \
+            from None
+
+
+def kernel_of(given, contact, found):
+    """A Kernel from the attributes of the file and of its train, and from its datasets."""
+    def values(name):
+        return found[name].values
     rails = [rail for rail in ("left", "right") if f"fixed/{rail}/displacement" in found]
-    moving = {rail: [found[f"moving/{rail}/axle_{axle + 1}"].values
-                     for axle in range(len(found["axles"].values))]
-              for rail in rails if "moving/x" in found}
+    behind = values("axles")
+    moves = "moving/x" in found
     return Kernel(
-        rate=float(given["rate"]), sensor=float(given["sensor_x"]), side=given["side"].decode(),
-        speed=float(given["speed"]), x=found["fixed/x"].values,
-        fixed={rail: {name: found[f"fixed/{rail}/{name}"].values for name in QUANTITIES}
+        rate=float(given["rate"]), sensor=float(given["sensor_x"]),
+        side=read.as_text(given["side"]), speed=float(given["speed"]), x=values("fixed/x"),
+        fixed={rail: {name: values(f"fixed/{rail}/{name}") for name in QUANTITIES}
                for rail in rails},
-        wheels=Wheels(*(found[f"train/{name}"].values for name in ("behind", "load", "mass")),
-                      *contact) if contact else None,
-        moving=moving, moving_x=found["moving/x"].values if moving else np.empty(0))
+        wheels=Wheels(*(values(f"train/{name}") for name in ("behind", "load", "mass")),
+                      *(float(contact[f"contact_{name}"]) for name in ("constant", "exponent")))
+        if contact else None,
+        moving={rail: [values(f"moving/{rail}/axle_{axle + 1}") for axle in range(len(behind))]
+                for rail in rails if moves},
+        moving_x=values("moving/x") if moves else np.empty(0), behind=behind)
 
 
 def between(table, x, at):

@@ -29,6 +29,7 @@ OF_DIP = 0.01        # m, standard deviation of this place because of dips
 SEARCH = 6           # samples, by which it may be wrong
 SPREAD = 0.5         # m, over which forces are similarly strong
 LEAST = 0.1          # strength of a force anywhere over the largest
+LEAD = 5.0           # m, before the range, from where forces still deflect the rail in it
 EXTENT = 1.2         # m, on both sides of the largest force: beyond, the rail is even
 DRIFT = 3            # degree of the polynomial that makes it so
 DRAWS = 30           # forces from their distribution, for uncertainties
@@ -69,8 +70,6 @@ class Passing:
     """Wheels whose first one is at `start` (m) in the first of `count` samples, at `speed`, m/s."""
 
     def __init__(self, kernel, start, count, speed):
-        if kernel.wheels is None:
-            raise read.Unreadable("the Green's functions are those of a deck without a train")
         self.kernel, self.start, self.count, self.speed = kernel, start, count, speed
         self.step = speed / kernel.rate  # m
         self.wheels = kernel.wheels
@@ -106,10 +105,19 @@ class Passing:
         return found[rows]
 
 
-def bogie_of(wheels, first=0):
+def bogie_of(kernel, first=0):
     """Numbers of the wheels of the bogie that begins with wheel `first`."""
-    behind = wheels.behind - wheels.behind[first]
-    return np.flatnonzero((behind >= 0) & (behind <= BOGIE))
+    if kernel.wheels is None:
+        raise read.Unreadable("the Green's functions are those of a deck without a train")
+    behind = kernel.wheels.behind
+    if not 0 <= first < len(behind):
+        raise read.Unreadable(f"axle {first + 1}: the train has the axles 1 to {len(behind)}")
+    before = behind[first] - behind
+    if np.any((before > 0) & (before <= BOGIE)):
+        begin = int(np.argmax((before > 0) & (before <= BOGIE)))
+        raise read.Unreadable(f"axle {first + 1} follows axle {begin + 1} in its bogie: give the "
+                              "first axle of a bogie")
+    return np.flatnonzero((before <= 0) & (before >= -BOGIE))
 
 
 def arrival(found, kernel, speed):
@@ -152,7 +160,7 @@ class Problem:
                                   f'{", ".join(greens.QUANTITIES)}')
         passing = Passing(kernel, start, len(signal), speed)
         self.signal, self.step = np.asarray(signal, float), passing.step
-        bogie = bogie_of(kernel.wheels, first)
+        bogie = bogie_of(kernel, first)
         self.load = kernel.wheels.load[bogie]
         self.x = np.arange(kernel.sensor + bounds[0], kernel.sensor + bounds[1] + self.step / 2,
                            self.step)
@@ -230,6 +238,10 @@ def evaluate(acceleration, kernel, speed, doubtful=None, quantity="acceleration"
              bounds=RANGE, **choices):
     """(Forces, Arrival, Reconstruction) of a passage of the kernel's train, from an acceleration at
     the rate of the kernel; `choices` are those of `identify`."""
+    bogie_of(kernel, first)
+    if quantity == "displacement" and choices.get("criterion") == "residual":
+        raise read.Unreadable('the criterion "residual" needs white noise, which a displacement '
+                              'does not have: choose another criterion or the acceleration')
     found = reconstruction.reconstruct(acceleration, kernel.rate, speed, doubtful=doubtful)
     came = arrival(found, kernel, speed)
     upright = np.asarray(acceleration, float) * (-1 if found.reversed else 1)
@@ -264,12 +276,12 @@ def irregularity(forces, kernel, speed, first=0, extent=EXTENT, draws=DRAWS, see
     a free mass below its static load, whose initial position and velocity, and the slow errors of
     the force, are chosen such that the rail is even beyond `extent` of the largest force."""
     refuse_irregularity(forces, kernel, speed, first)
-    wheels, bogie = kernel.wheels, bogie_of(kernel.wheels, first)
+    wheels, bogie = kernel.wheels, bogie_of(kernel, first)
     load, middle = wheels.load[bogie], float(forces.x[np.argmax(forces.force[0])])
     even = np.abs(forces.x - middle) > extent
     if min(np.sum(even & (forces.x < middle)), np.sum(even & (forces.x > middle))) < DRIFT + 2:
         raise read.Unreadable(f"the largest force, at {middle:.3g} m, is nearer than {extent:g} m "
-                              "to an end of the range: choose another range")
+                              f"to an end of the range, {forces.x[0]:.3g} to {forces.x[-1]:.3g} m")
     below = BelowWheel(kernel, bogie, first, forces.x, speed)
 
     def heights(force):
@@ -289,18 +301,33 @@ def irregularity(forces, kernel, speed, first=0, extent=EXTENT, draws=DRAWS, see
 
 
 def refuse_irregularity(forces, kernel, speed, first):
+    """Raises read.Unreadable if the kernel has no moving response for these forces."""
+    behind = kernel.wheels.behind[bogie_of(kernel, first)]
+    behind = behind - behind[0]
     if not kernel.moving:
-        raise read.Unreadable("the Green's functions have no moving response: call `trackbed "
-                              "kernel` with --speed")
+        raise read.Unreadable(f"call `trackbed kernel` with --speed {speed:g}")
     if abs(kernel.speed - speed) > greens.SAME_SPEED * speed:
-        raise read.Unreadable(f"the moving response is that of {kernel.speed:g} m/s, not of "
-                              f"{speed:g} m/s")
+        raise read.Unreadable(f"the moving response is that of {kernel.speed:g} m/s: call "
+                              f"`trackbed kernel` with --speed {speed:g}")
+    if len(kernel.behind) < len(behind) or \
+            not np.allclose(kernel.behind[:len(behind)], behind, atol=1e-3):
+        raise read.Unreadable(
+            f"the moving response is that of axles {words_of(kernel.behind)} m behind the first, "
+            f"those of the bogie are {words_of(behind)} m behind: "
+            + (f"call `trackbed kernel` with --axles {len(behind)}" if len(kernel.behind) <
+               len(behind) else "its train must begin with this bogie"))
     if not kernel.wheels.mass[first] > 0:
-        raise read.Unreadable("wheels of constant force have no mass: give the train of the deck "
-                              "vehicles that roll")
-    if kernel.moving_x[0] > forces.x[0] or kernel.moving_x[-1] < forces.x[-1]:
-        raise read.Unreadable("the moving response does not cover the range of the forces: reduce "
-                              "--from, increase --to")
+        raise read.Unreadable('wheels of constant force have no mass: use vehicles with wheelsets, '
+                              'not of kind "forces"')
+    begin = max(forces.x[0] - LEAD - behind[-1], kernel.x[0])
+    if kernel.moving_x[0] > begin + 1e-6 or kernel.moving_x[-1] < forces.x[-1]:
+        raise read.Unreadable(f"the moving response begins at {kernel.moving_x[0]:g} and ends at "
+                              f"{kernel.moving_x[-1]:g} m: call `trackbed kernel` with --from "
+                              f"{begin:.4g} or less and --to {forces.x[-1]:.4g} or more")
+
+
+def words_of(places):
+    return ", ".join(f"{place:g}" for place in places)
 
 
 class BelowWheel:
@@ -310,7 +337,7 @@ class BelowWheel:
         self.kernel, self.x, self.step = kernel, x, speed / kernel.rate
         behind = kernel.wheels.behind
         self.behind = [behind[wheel] - behind[first] for wheel in bogie]
-        # From where forces begin to have responses, in steps that meet those of x.
+        # From where forces begin to have responses, in steps that end at those of x.
         self.before = int((x[0] - kernel.moving_x[0]) / self.step)
         self.path = x[0] + self.step * np.arange(-self.before, len(x))
         self.static = sum(self.superposed(side, axle, np.full(len(self.path), load))

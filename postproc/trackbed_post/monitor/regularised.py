@@ -3,8 +3,8 @@
 The unknown is white noise before the measurement (Tikhonov regularisation), or small singular
 values are left out (truncated). The strength of the regularisation is chosen by generalised
 cross-validation (Golub, Heath and Wahba 1979, doi:10.1080/00401706.1979.10489751), by the corner of
-the L-curve (Hansen 1992, doi:10.1137/1034115; found as Satopaa et al. 2011,
-doi:10.1109/ICDCSW.2011.20, find knees), or such that the residual is the noise.
+the L-curve (Hansen 1992, doi:10.1137/1034115; found by the method of Satopaa and
+others 2011, doi:10.1109/ICDCSW.2011.20), or such that the residual is the noise.
 """
 import numpy as np
 

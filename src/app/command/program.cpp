@@ -106,17 +106,22 @@ void declare_kernel(CLI::App* sub, Arguments& arguments) {
   sub->add_option("--apart", kernel.apart, "Distance of the positions of the force, m")
       ->check(CLI::Range(1e-3, 1.0))
       ->capture_default_str();
-  sub->add_option("--speed", kernel.speed,
-                  "Speed, m/s, of the moving response: the rail below the first wheel")
-      ->check(CLI::Range(1.0, 200.0));
+  const auto moving = sub->add_option("--speed", kernel.speed,
+                                      "Speed, m/s, of the moving response: the rail below the "
+                                      "first wheel")
+                          ->check(CLI::Range(1.0, 200.0));
   sub->add_option("--axles", kernel.bogie,
-                  "Number of axles, from the first one, that move the rail below it")
+                  "Number of axles, from the first one, whose forces deflect the rail below the "
+                  "first wheel")
+      ->needs(moving)
       ->check(CLI::Range(1, 16))
       ->capture_default_str();
   sub->add_option("--from", kernel.from, "Range of the force of the moving response, m")
+      ->needs(moving)
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   sub->add_option("--to", kernel.to, "End of that range, m; 0: end of the track")
+      ->needs(moving)
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }

@@ -43,6 +43,9 @@ std::vector<std::string> problems_of(const Model& model, const KernelParameters&
   refuse(parameters.to != 0 && !(parameters.to > parameters.from),
          fmt::format("--to {:g}: must be above --from ({:g} m), or 0 for the end of the track",
                      parameters.to, parameters.from));
+  refuse(!(parameters.from < track.length),
+         fmt::format("--from {:g}: must be below the end of the track, {:g} m", parameters.from,
+                     track.length));
   const double numbers = track.length / parameters.apart * parameters.duration * parameters.rate;
   refuse(
       numbers > most_numbers,
@@ -164,6 +167,8 @@ std::string write_kernel(const par::Comm& comm, const Model& model, KernelParame
   if (bogie > 0) parameters.axles.assign(wheels.behind.begin(), wheels.behind.begin() + bogie);
   const track::GreensFunctions greens(line, parameters);
   const double sensor = line.sleeper_x(line.nearest_sleeper(parameters.sensor));
+  if (comm.broadcast(std::filesystem::is_directory(path) ? "yes" : "") == "yes")
+    throw InputError({path + " is a folder: give the name of a file (-o)"});
   if (const auto folder = std::filesystem::path(path).parent_path(); comm.root()) {
     std::error_code ignored;  // the file cannot be created then, which is reported
     std::filesystem::create_directories(folder, ignored);

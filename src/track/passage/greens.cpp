@@ -43,9 +43,13 @@ GreensFunctions::GreensFunctions(const Line& line, const GreensParameters& param
           "Green's functions are those of linear tracks");
 }
 
+double GreensFunctions::step() const {
+  return 1 / (parameters_.rate * static_cast<double>(substeps_));
+}
+
 GreensFunctions::Fixed GreensFunctions::fixed(const std::vector<double>& x,
                                               std::size_t side) const {
-  Newmark motion(line_.system(), 1 / (parameters_.rate * static_cast<double>(substeps_)));
+  Newmark motion(line_.system(), step());
   Vector unit = Vector::Zero(motion.displacement.size());
   unit[line_.sleeper_unknown(line_.nearest_sleeper(parameters_.sensor), parameters_.side)] = 1;
   std::vector<RailPoint> points;
@@ -64,7 +68,7 @@ GreensFunctions::Fixed GreensFunctions::fixed(const std::vector<double>& x,
 
 Columns GreensFunctions::moving(const std::vector<double>& x, std::size_t axle,
                                 std::size_t side) const {
-  Newmark motion(line_.system(), 1 / (parameters_.rate * static_cast<double>(substeps_)));
+  Newmark motion(line_.system(), step());
   const double ahead = parameters_.axles.at(axle);
   const auto wheel_at = [&](double force, std::int64_t n) {
     return force + ahead + parameters_.speed * static_cast<double>(n) / parameters_.rate;
