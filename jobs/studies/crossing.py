@@ -134,7 +134,7 @@ class Passage:
         return (self.x[:, wheel] > bounds[0]) & (self.x[:, wheel] < bounds[1])
 
     def largest_force(self):
-        """N, of all time steps, near the crossing."""
+        """N, below half of RATE, near the crossing."""
         return self.force[np.abs(self.x - SENSOR) < 3].max()
 
 

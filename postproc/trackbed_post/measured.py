@@ -172,6 +172,14 @@ def _even(time, values):
     return even, np.interp(even, time, values), remarks, doubtful
 
 
+def acceleration(name):
+    """The Signal of `load`, which must be an acceleration."""
+    signal = load(name)
+    if signal.unit != "m/s2":
+        raise read.Unreadable(f"the unit is {signal.unit}, not that of an acceleration")
+    return signal
+
+
 def load(place):
     """Reads FILE or FILE:COLUMN. Names state units: time_s, a1_m_s2, force_kN. The mean and the
     linear trend remain: see `detrended`."""

@@ -158,7 +158,7 @@ def test_irregularity_follows_from_true_forces(passage):
     """The wheel is a free mass on a rail that yields: the irregularity that would cause the forces
     is integrated here from rest."""
     kernel = passage.kernel
-    true = inverse.Forces(passage.x, passage.force, 0 * passage.force, 0, 0, 0, (),
+    true = inverse.Forces(passage.x, passage.force, 0 * passage.force, 0, (),
                           lambda random: passage.force)
     found = inverse.irregularity(true, kernel, SPEED, draws=2)
     change = passage.force - LOAD
@@ -182,7 +182,7 @@ def test_irregularity_follows_from_true_forces(passage):
     ({"behind": np.array([0.0])}, "--axles 2"), ({"behind": np.array([0.0, 3.0])}, "0, 3 m behind"),
     ({"moving_x": np.arange(14, 40, STEP)}, "--from 9.5 or less")])
 def test_irregularity_needs_the_moving_response(passage, change, why):
-    true = inverse.Forces(passage.x, passage.force, 0 * passage.force, 0, 0, 0, (), None)
+    true = inverse.Forces(passage.x, passage.force, 0 * passage.force, 0, (), None)
     with pytest.raises(read.Unreadable, match=why):
         inverse.irregularity(true, dataclasses.replace(passage.kernel, **change), SPEED)
 

@@ -23,7 +23,6 @@ from trackbed_post import read
 from trackbed_post.monitor import displacement, inverse
 
 NAMES = ("outside", "inside", "length", "void", "dip")
-UNITS = {"outside": "N/m", "inside": "N/m", "length": "m", "void": "m", "dip": "m"}
 LINEAR = ("void", "dip")  # the others are fitted by their logarithms
 LOWEST = {"outside": 1e6, "inside": 1e6, "length": 0.6, "void": 0.0, "dip": 0.0}
 HIGHEST = {"outside": 1e9, "inside": 1e9, "length": 6.0, "void": 5e-3, "dip": 1e-2}
@@ -164,11 +163,7 @@ class Fit:
         x, model = self.track.displacement(self.values(unknown))
         even = np.arange(x[0], x[-1], self.step)
         model = slow(np.interp(even, x, model), self.step)
-        similar = scipy.signal.correlate(self.measured, model, "full")
-        at = int(np.argmax(similar))
-        if not 0 < at < len(similar) - 1:
-            raise read.Unreadable("the record does not contain the passage of this train")
-        shift = at + inverse.vertex(similar[at - 1:at + 2])[0] - (len(model) - 1)  # samples
+        shift, _ = inverse.most_similar(self.measured, model)
         place = np.arange(len(model)) + shift
         inside = (place >= 0) & (place <= len(self.measured) - 1)
         rows = np.flatnonzero(inside)[::max(int(EVERY / self.step), 1)]

@@ -1,28 +1,27 @@
 """The command `trackbed_post ballast`: stiffness of the ballast and a void below a sensor."""
 import matplotlib.pyplot as plt
 
-from trackbed_post import measured, read
+from trackbed_post import measured
 from trackbed_post.monitor import ballast, forces
 
 WORDS = {"outside": "stiffness of the ballast, far", "inside": "stiffness at the sensor",
          "length": "length of the transition", "void": "void below the sleeper",
          "dip": "dip of the running surface"}
-SHOWN = {"N/m": ("MN/m", 1e-6), "m": ("mm", 1e3)}
+SHOWN = {"outside": ("MN/m", 1e-6), "inside": ("MN/m", 1e-6), "length": ("m", 1.0),
+         "void": ("mm", 1e3), "dip": ("mm", 1e3)}
 POOR = 2.0  # misfit
 
 
 def calibrate(signal_name, folder, deck, program, sensor, speed, without):
     """Writes a table and a picture of a passage into a write.Folder."""
-    signal = measured.load(signal_name)
-    if signal.unit != "m/s2":
-        raise read.Unreadable(f"the unit is {signal.unit}, not that of an acceleration")
+    signal = measured.acceleration(signal_name)
     free = [name for name in ballast.NAMES if name not in without]
     track = ballast.Track(program, deck, sensor, speed)
     found, moved = ballast.calibrate(signal.values, signal.rate, track, free, signal.doubtful)
     folder.remarks += [*signal.remarks, *forces.faults_of(moved)]
     lines = []
     for name in free:
-        unit, factor = SHOWN[ballast.UNITS[name]] if name != "length" else ("m", 1.0)
+        unit, factor = SHOWN[name]
         lines.append(f"{WORDS[name]:30} {factor * found.value[name]:10.4g} {unit:5} standard "
                      f"deviation {factor * found.deviation[name]:.2g}\n")
     if "void" in free:

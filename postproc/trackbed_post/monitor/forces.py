@@ -16,9 +16,7 @@ RATIO = 10   # largest denominator when the rate is changed
 
 def forces(signal_name, folder, kernel_path, speed, **choices):
     """Writes tables and a picture of a passage into a write.Folder."""
-    kernel, signal = greens.load(kernel_path), measured.load(signal_name)
-    if signal.unit != "m/s2":
-        raise read.Unreadable(f"the unit is {signal.unit}, not that of an acceleration")
+    kernel, signal = greens.load(kernel_path), measured.acceleration(signal_name)
     if kernel.x[1] - kernel.x[0] > APART * speed / kernel.rate:
         raise read.Unreadable(f"forces are {100 * (kernel.x[1] - kernel.x[0]):.3g} cm apart in the "
                               f"Green's functions, but a sample is {100 * speed / kernel.rate:.3g} "

@@ -47,13 +47,11 @@ class Arrival:
 @dataclasses.dataclass(frozen=True)
 class Forces:
     """Forces, N downwards, of the wheels of a bogie at positions x, m, [wheel, position], and their
-    standard deviations; root mean square of the residual and of the signal; strength of the
-    regularisation and `curves` of its choice (regularised.Solution)."""
+    standard deviations; strength of the regularisation and `curves` of its choice
+    (regularised.Solution)."""
     x: np.ndarray
     force: np.ndarray
     deviation: np.ndarray
-    residual: float
-    signal: float
     strength: float
     curves: tuple
     draw: typing.Callable  # (random generator) -> force from the distribution after the measurement
@@ -70,7 +68,7 @@ class Passing:
     """Wheels whose first one is at `start` (m) in the first of `count` samples, at `speed`, m/s."""
 
     def __init__(self, kernel, start, count, speed):
-        self.kernel, self.start, self.count, self.speed = kernel, start, count, speed
+        self.kernel, self.start, self.count = kernel, start, count
         self.step = speed / kernel.rate  # m
         self.wheels = kernel.wheels
 
@@ -128,17 +126,22 @@ def arrival(found, kernel, speed):
     sections = scipy.signal.butter(2, speed / SLOW, fs=kernel.rate, output="sos")
     expected = scipy.signal.sosfiltfilt(sections, passing.of_static("displacement"))
     slow = scipy.signal.sosfiltfilt(sections, found.displacement)
-    similar = scipy.signal.correlate(slow, expected, "full")
-    at = int(np.argmax(similar))
-    if not 0 < at < len(similar) - 1:
-        raise read.Unreadable("the record does not contain the passage of this train")
+    shift, similarity = most_similar(slow, expected)
     # Errors of the displacement are smooth: each flank below a bogie is one measurement.
     slope = np.sqrt(np.mean(np.gradient(slow[~found.at_rest], passing.step)**2))
     flanks = 2 * (1 + np.sum(np.diff(kernel.wheels.behind) > BOGIE))
     error = np.sqrt(np.mean(found.deviation**2)) / np.sqrt(flanks)
-    shift = at + vertex(similar[at - 1:at + 2])[0] - (len(expected) - 1)
     return Arrival(start=-shift * passing.step, deviation=float(error / slope),
-                   ratio=float(similar[at] / np.sum(expected**2)))
+                   ratio=float(similarity / np.sum(expected**2)))
+
+
+def most_similar(measured, expected):
+    """(samples by which `expected` is to be shifted, largest correlation of both)."""
+    similar = scipy.signal.correlate(measured, expected, "full")
+    at = int(np.argmax(similar))
+    if not 0 < at < len(similar) - 1:
+        raise read.Unreadable("the record does not contain the passage of this train")
+    return at + vertex(similar[at - 1:at + 2])[0] - (len(expected) - 1), similar[at]
 
 
 def vertex(three):
@@ -229,8 +232,6 @@ def identify(problem, likeness=LIKENESS, method="tikhonov", criterion="gcv", noi
 
     of_place = unsure * np.gradient(found, problem.step, axis=1)
     return Forces(x=problem.x, force=found, deviation=np.sqrt(variance + of_place**2),
-                  residual=solution.residual,
-                  signal=float(np.sqrt(np.mean(problem.signal[problem.rows]**2))),
                   strength=solution.strength, curves=solution.curves, draw=drawn)
 
 

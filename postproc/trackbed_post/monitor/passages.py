@@ -98,7 +98,8 @@ def evaluate(folder, line, library, wavelengths):
     """The Row of a passage. A passage that cannot be evaluated has the reason among its remarks."""
     remarks, found = [], {}
     try:
-        measure(measured.load(folder / line["file"]), line, library, wavelengths, found, remarks)
+        measure(measured.acceleration(folder / line["file"]), line, library, wavelengths, found,
+                remarks)
     except (read.Unreadable, OSError) as why:
         remarks.append(str(why))
     except (ValueError, IndexError, np.linalg.LinAlgError, MemoryError) as why:
@@ -113,8 +114,6 @@ def evaluate(folder, line, library, wavelengths):
 
 def measure(signal, line, library, wavelengths, found, remarks):
     """Puts what is found of a signal into `found`, and what is doubtful into `remarks`."""
-    if signal.unit != "m/s2":
-        raise read.Unreadable(f"the unit is {signal.unit}, not that of an acceleration")
     remarks += signal.remarks
     rate = signal.rate
     speed = number(line.get("speed_m_s") or "nan", "speed_m_s", line["file"])
