@@ -31,7 +31,8 @@ if [ ! -e "$runs" ]; then rm -f "$runs"; fi  # a link left by a call that was ki
 of_tier=()
 if [ "${1:-}" = long ]; then
   of_tier=(clang-tidy debootstrap dpkg-dev python3-pip python3-setuptools python3-wheel
-    mkdocs mkdocs-material chromium chromium-driver python3-selenium)
+    mkdocs mkdocs-material chromium chromium-driver python3-selenium
+    munge slurmctld slurmd slurm-client)
 fi
 part "Packages" install_packages "${of_tier[@]}"
 # In CI warnings are errors. By default they are not: with another flag, what the first command has

@@ -17,6 +17,7 @@ import scipy.stats
 
 import launch
 
+from . import crossing_stones as stones
 from .study import INPUTS, Run, Target, deck_of, summary
 
 from trackbed_post import read  # noqa: I001 (found by .study)
@@ -36,7 +37,7 @@ BED, PAD = (deck_of(DECK)[part] for part in ("ballast", "pad"))
 STIFFNESS = BED["stiffness"]
 ZONE = "{from=16.5, to=19.5, rail=3}"
 BEDS = {"half": 0.5, "as in the deck": 1.0, "double": 2.0}  # of the three sleepers at the sensor
-VOIDS = (2.5e-4, 4e-4, 6e-4)  # m
+VOIDS = tuple(1e-4 * gap for gap in (2, 2.5, 3, 3.5, 4, 4.5, 5, 6, 7, 8))  # m
 FREE = tuple(name for name in ballast.NAMES if name != "void")
 VEES = (27.8, 44.4)  # m/s
 ANGLE = 20e-3  # rad, of the V in all
@@ -48,9 +49,9 @@ EFFECTIVE = 0.4  # m, of rail that moves with the contact in Jenkins' P1
 PROGRAM = {}  # path: of the program, for the calibration of the ballast
 KERNEL = f"kernel_{SPEED:g}.h5"
 FORMS = {"short": {"dips": 8, "panel_dips": 3, "seeds": 2, "joints": ("middle",),
-                   "beds": ("half",), "bed_seeds": 1, "voids": (), "sound": 0},
+                   "beds": ("half",), "bed_seeds": 1, "voids": (), "sound": 0, "stones": False},
          "full": {"dips": 20, "panel_dips": 8, "seeds": 10, "joints": tuple(JOINTS),
-                  "beds": tuple(BEDS), "bed_seeds": 10, "voids": VOIDS, "sound": 2}}
+                  "beds": tuple(BEDS), "bed_seeds": 10, "voids": VOIDS, "sound": 7, "stones": True}}
 
 
 def dips(count):
@@ -105,7 +106,7 @@ def runs(form, _):
                    f"irregularity.depth={ANGLE / 4}", "track.zone=[]",
                    f"ballast.damping={factor * BED['damping']}"))
               for speed in VEES for name, factor in DAMPINGS.items()]
-    return found
+    return found + (stones.runs() if chosen["stones"] else [])
 
 
 class Passage:
@@ -156,6 +157,8 @@ def measure(form, folder, numbers, lines):
         measure_forces(folder, chosen, kernel, name, numbers, lines)
     measure_ballast(folder, chosen, numbers, lines)
     measure_vees(folder, numbers)
+    if chosen["stones"]:
+        stones.measure(folder, PROGRAM["path"], numbers, lines)
 
 
 def middle_and_worst(numbers, run, quantity, values, unit):
@@ -424,4 +427,4 @@ def targets(n):
         found.append(Target(f"voids reported where there is none, in "
                             f"{n('voids', 'sound passages'):.0f} passages", "main", "ours: none",
                             value, "", holds=value == 0, sign=value == 0))
-    return found
+    return found + stones.targets(n)

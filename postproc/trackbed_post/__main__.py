@@ -1,5 +1,6 @@
 """Figures, tables and films of trackbed runs"""
 import argparse
+import math
 import os
 import pathlib
 import re
@@ -13,7 +14,7 @@ from trackbed_post import (curves, geometry, kinds, read, report, still, sweep, 
                            transition, vibration, write)
 from trackbed_post.monitor import command as monitor_command  # noqa: E402
 from trackbed_post.monitor import (ballast, calibration, greens, indicators,  # noqa: E402
-                                   regularised)
+                                   passages, regularised)
 from trackbed_post.monitor import forces as monitor_forces  # noqa: E402
 
 FORMATS = ("png", "pdf", "svg", "csv")  # csv: the lines of each figure
@@ -25,6 +26,16 @@ def formats(text):
         raise argparse.ArgumentTypeError(f"{', '.join(sorted(unknown))}: the formats are "
                                          f"{', '.join(FORMATS)}")
     return chosen
+
+
+def noise(text):
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text}: must be 0 or more, m/s2")
+    return value
 
 
 def print_folders(folders):
@@ -115,8 +126,8 @@ def run_monitor(given):
     """displacement, indicators and train of each passage that one accelerometer recorded"""
     folder = write.Folder(given.output, write.origin_of(given.library) if given.library else "",
                           given.format)
-    monitor_command.monitor(given.passages, folder, given.library, given.wavelengths,
-                            given.workers)
+    choices = passages.Choices(tuple(given.wavelengths), given.noise)
+    monitor_command.monitor(given.passages, folder, given.library, choices, given.workers)
     print_folders([folder])
 
 
@@ -125,7 +136,9 @@ def find_forces(given):
     folder = write.Folder(given.output, f"{pathlib.Path(given.signal).name}, {given.kernel.name}",
                           given.format)
     monitor_forces.forces(given.signal, folder, given.kernel, given.speed, first=given.axle - 1,
-                          quantity=given.quantity, method=given.method, criterion=given.criterion)
+                          quantity=given.quantity, method=given.method, criterion=given.criterion,
+                          known_noise=given.noise, refined=given.place == "acceleration",
+                          **({"likeness": 0.0} if given.equal else {}))
     print_folders([folder])
 
 
@@ -134,7 +147,7 @@ def find_ballast(given):
     folder = write.Folder(given.output, f"{pathlib.Path(given.signal).name}, {given.deck.name}",
                           given.format)
     calibration.calibrate(given.signal, folder, given.deck, sweep.find_program(given.program),
-                          given.sensor, given.speed, given.without)
+                          given.sensor, given.speed, given.without, given.noise)
     print_folders([folder])
 
 
@@ -166,6 +179,11 @@ def parser():
         one.add_argument("--format", type=formats, default=("png",),
                          help=f"one or more of {', '.join(FORMATS)}, with commas between them; "
                          "csv: the lines of each figure")
+
+    def of_sensor(one):
+        one.add_argument("--noise", type=noise, metavar="M/S2",
+                         help="standard deviation of the sensor's noise in a sample; default: that "
+                         "of the quietest part, which contains what the sleeper still moves")
 
     for name in ("figures", "compare"):  # two names of one command
         one = command(name, figures)
@@ -239,6 +257,7 @@ def parser():
                      help="runs of known trains, by which type and speed are recognised")
     one.add_argument("--wavelengths", type=float, nargs=2, default=indicators.WAVELENGTHS,
                      metavar="M", help="of the band of the indicators; default: 1 and 0.2 m")
+    of_sensor(one)
     one.add_argument("--workers", type=int, default=os.cpu_count() or 1,
                      help="processes side by side; default: %(default)s")
     draws(one)
@@ -255,6 +274,12 @@ def parser():
                      help="of the regularisation; default: %(default)s")
     one.add_argument("--criterion", choices=regularised.CRITERIA, default="gcv",
                      help="of its strength; default: %(default)s")
+    one.add_argument("--equal", action="store_true",
+                     help="equal forces of all wheels of the bogie, for a track that is not the "
+                          "one of the Green's functions")
+    one.add_argument("--place", choices=("acceleration", "displacement"), default="acceleration",
+                     help="by which the place of the train is found; default: %(default)s")
+    of_sensor(one)
     draws(one)
     one = command("ballast", find_ballast)
     one.add_argument("signal", metavar="FILE[:COLUMN]", help="CSV, MAT or WAV")
@@ -264,6 +289,7 @@ def parser():
     one.add_argument("--speed", type=float, required=True, metavar="M/S")
     one.add_argument("--without", nargs="+", choices=ballast.NAMES[2:], default=[],
                      help="parameters that are not fitted: no void, no dip, fixed length")
+    of_sensor(one)
     one.add_argument("--program", type=pathlib.Path)
     draws(one)
     one = command("list", list_datasets)

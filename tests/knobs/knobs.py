@@ -266,6 +266,7 @@ KNOBS = {
     "output.ground_extremes": ("output.ground_extremes=true", FIELDS),
     "output.surface_cell": ("output.surface_cell=0.1", []),
     "output.checkpoint_interval": ("output.checkpoint_interval=0.01", []),
+    "output.checkpoint_wall_interval": ("output.checkpoint_wall_interval=1e-3", []),
     "output.wall_time": ("output.wall_time=1e-3", []),
     "output.stop_after": ("output.stop_after=20", []),
     "sensor.[].name": ("sensor.0.name=other", []),

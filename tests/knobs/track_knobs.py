@@ -127,6 +127,7 @@ KNOBS = {
     "output.history_interval": ("output.history_interval=2e-3", []),
     "passage.points": ("passage.points=[6.6]", []),
     "output.checkpoint_interval": ("output.checkpoint_interval=0.02", []),
+    "output.checkpoint_wall_interval": ("output.checkpoint_wall_interval=1e-9", []),
     "output.wall_time": ("output.wall_time=1e-9", []),
     "output.stop_after": ("output.stop_after=100", []),
     "passage.loaded_by": ("passage.loaded_by=seats", []),

@@ -35,6 +35,11 @@ struct PhaseTime {
 // Of the phases that took time, parts after the phase that includes them. Collective.
 std::vector<PhaseTime> times_over_ranks(const par::Comm& comm, const Timers& timers);
 
+// Simulated s per s of wall time, and s of wall time until the end; 0: not known.
+struct Pace {
+  double speed, left;
+};
+
 class Log {
  public:
   explicit Log(const par::Comm& comm) : comm_(comm) {}
@@ -45,7 +50,7 @@ class Log {
   // Prints a line of progress at the simulated time (s), with the speed since the last line or
   // `mark`: stages differ much, and the remaining time (`remaining`, s of simulated time, rough)
   // should follow from the present speed.
-  void progress(double time, double remaining, const std::string& status);
+  Pace progress(double time, double remaining, const std::string& status);
   // Prints another line in its place.
   void instead(const std::string& line);
   void mark(double time);

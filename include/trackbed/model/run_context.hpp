@@ -29,7 +29,10 @@ struct RunContext {
   // A warning of the run: printed at once, stored in checkpoints and repeated in summary.json.
   // Local, but the same on all ranks.
   void warn(const std::string& sentence);
-  // Whether a signal has reached this rank, or, on rank 0, the limit of wall time: clocks of nodes
+  // s of wall time before the end of the batch job at which the run stops, to write a checkpoint.
+  double reserve = 60;
+
+  // Whether a signal has reached this rank, or, on rank 0, a limit of wall time: clocks of nodes
   // differ. Local.
   bool is_to_stop() const;
   // Whole windows in an interval (s), at least 1.

@@ -15,6 +15,12 @@
 
 namespace trackbed::model {
 
+// How a run fares: for a line of the log, and the same as numbers, with units in their names.
+struct Status {
+  std::string words;
+  nlohmann::ordered_json figures = nlohmann::ordered_json::object();
+};
+
 // The state of progress is the course of the context: a scheme sets its clock and its steps when a
 // stage begins. All calls are collective unless stated otherwise.
 class Scheme {
@@ -40,8 +46,8 @@ class Scheme {
   // Whether the stage has reached its aim before its last window. Depends on state alone, so that a
   // resumed run decides alike.
   virtual bool is_done() const = 0;
-  virtual void record() = 0;              // output after a window; changes no result
-  virtual std::string status() = 0;       // for a line of the log
+  virtual void record() = 0;  // output after a window; changes no result
+  virtual Status status() = 0;
   virtual void end_stage() = 0;           // output, and the changes at the end of a stage
   virtual bool keeps_stages() const = 0;  // a checkpoint after each stage; local
   // Writes what histories still hold in memory.

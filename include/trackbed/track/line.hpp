@@ -118,6 +118,8 @@ struct TrackParameters {
   // m, of sleeper n from the start of the track; beyond its end at the usual spacing.
   double sleeper_x(std::size_t n) const;
   double least_spacing() const;  // m
+  // m, largest gap of the zones at x, m.
+  double gap(double x, std::size_t side) const;
   // Product of this factor of all zones at x, m.
   double factor(double TrackZone::*of, double x, std::size_t side) const;
   // m, lateral distance of the ballast springs from the middle of the track; one rail: 0.

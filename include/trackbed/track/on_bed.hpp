@@ -47,7 +47,8 @@ struct TrainOnBedParameters {
 // On two rails each sleeper of the bed has two seats, left before right wherever they are listed.
 class TrainOnBed {
  public:
-  // The rail is placed on the sleepers at their present heights `levels`, m, one for each seat.
+  // The rail is placed on the sleepers at their present heights `levels`, m, one for each seat;
+  // above sleepers in a zone with a gap it lies higher by it.
   // Throws InputError for unknown vehicles and invalid files.
   TrainOnBed(const TrainOnBedParameters& parameters, const std::vector<double>& levels);
   ~TrainOnBed();

@@ -106,12 +106,24 @@ class Track:
 
     def displacement(self, value):
         """(position of the first wheel, m; displacement, m, up)."""
-        zones = ", ".join("{" + ", ".join(f"{key} = {json.dumps(one)}" for key, one in zone.items())
-                          + "}" for zone in self.zones_of(value))
-        _, run = self.ran([*dip_of(value["dip"], self.sensor), f"track.zone=[{zones}]",
-                           f"ballast.stiffness={value['outside']!r}"])
+        _, run = self.ran([*dip_of(value["dip"], self.sensor), *self.words_of(value)])
         return (run["history/wheel/x"].values[:, 0],
                 run["history/sleeper/displacement"].values.ravel())
+
+    def words_of(self, value):
+        """Overrides of the deck for the ballast."""
+        zones = ", ".join("{" + ", ".join(f"{key} = {json.dumps(one)}" for key, one in zone.items())
+                          + "}" for zone in self.zones_of(value))
+        return [f"track.zone=[{zones}]", f"ballast.stiffness={value['outside']!r}"]
+
+    def kernel(self, value, path):
+        """Writes Green's functions of the sleeper with the sensor on this ballast, without a void,
+        into a file."""
+        ran = subprocess.run([self.program, "kernel", self.deck, "-o", path, "--sensor",
+                              repr(self.sensor), *self.words_of(value | {"void": 0.0})],
+                             capture_output=True, text=True, check=False)
+        if ran.returncode:
+            raise read.Unreadable(f"trackbed kernel ended with {ran.returncode}:\n{ran.stderr}")
 
     def ran(self, words):
         """(deck with all values, datasets) of a run."""
@@ -219,13 +231,14 @@ def slow(values, step):
     return scipy.signal.sosfiltfilt(sections, values)
 
 
-def calibrate(acceleration, rate, track, free=NAMES, doubtful=None):
+def calibrate(acceleration, rate, track, free=NAMES, doubtful=None, noise=None):
     """(Ballast below a sensor, Reconstruction). `free`: parameters that are fitted; the others are
-    those of the deck, without a void and a dip."""
+    those of the deck, without a void and a dip. `noise`: as for displacement.reconstruct."""
     if unknown := set(free) - set(NAMES):
         raise read.Unreadable(f"{', '.join(sorted(unknown))}: the parameters are "
                               f"{', '.join(NAMES)}")
-    found = displacement.reconstruct(acceleration, rate, track.speed, doubtful=doubtful)
+    found = displacement.reconstruct(acceleration, rate, track.speed, doubtful=doubtful,
+                                     noise=noise)
     sound = Fit(track, found, rate, [name for name in free if name != "void"])
     done = sound.solved(sound.start)
     if "void" not in free:

@@ -12,12 +12,13 @@ SHOWN = {"outside": ("MN/m", 1e-6), "inside": ("MN/m", 1e-6), "length": ("m", 1.
 POOR = 2.0  # misfit
 
 
-def calibrate(signal_name, folder, deck, program, sensor, speed, without):
+def calibrate(signal_name, folder, deck, program, sensor, speed, without, noise=None):
     """Writes a table and a picture of a passage into a write.Folder."""
     signal = measured.acceleration(signal_name)
     free = [name for name in ballast.NAMES if name not in without]
     track = ballast.Track(program, deck, sensor, speed)
-    found, moved = ballast.calibrate(signal.values, signal.rate, track, free, signal.doubtful)
+    found, moved = ballast.calibrate(signal.values, signal.rate, track, free, signal.doubtful,
+                                     noise)
     folder.remarks += [*signal.remarks, *forces.faults_of(moved)]
     lines = []
     for name in free:

@@ -12,20 +12,21 @@ from trackbed_post.monitor import figures, passages, trends
 TABLE, SETTINGS = "monitor.csv", "monitor.json"
 
 
-def monitor(source, folder, runs, wavelengths, workers):
+def monitor(source, folder, runs, choices, workers):
     """Continues the table of passages in a write.Folder and draws its trends and the first passage
     that could be evaluated."""
     if workers < 1:
         raise read.Unreadable(f"--workers {workers}: must be at least 1")
+    wavelengths = choices.wavelengths
     if not (0 < min(wavelengths) < 0.9 * max(wavelengths) < math.inf):
         raise read.Unreadable(f"--wavelengths {wavelengths[0]:g} {wavelengths[1]:g}: must be two "
                               "different lengths above 0, m")
     if folder.path.resolve() == source.resolve():
         raise read.Unreadable(f"{source} has the signals: choose another folder for the results")
     library = passages.library_of(runs) if runs else None
-    keep_settings(folder, source, runs, wavelengths)
+    keep_settings(folder, source, runs, choices)
     path = folder.path / TABLE
-    count = passages.batch(source, path, library, wavelengths, workers)
+    count = passages.batch(source, path, library, choices, workers)
     table = figures.table_of(path)
     files = table.get("file", [])
     failed = np.flatnonzero(~np.isfinite(table["peak_mm"])) if table else []
@@ -44,13 +45,14 @@ def monitor(source, folder, runs, wavelengths, workers):
     first = int(np.flatnonzero(np.isfinite(table["peak_mm"]))[0])
     folder.picture("passage", figures.passage(measured.load(source / str(files[first])),
                                               float(table["speed_m_s"][first]),
-                                              str(files[first])))
+                                              str(files[first]), choices.noise))
 
 
-def keep_settings(folder, source, runs, wavelengths):
+def keep_settings(folder, source, runs, choices):
     """Refuses to continue a table of other passages, bands or trains."""
-    now = {"passages": str(source.resolve()), "wavelengths_m": sorted(wavelengths),
-           "library": [str(run.resolve()) for run in runs]}
+    now = {"passages": str(source.resolve()), "wavelengths_m": sorted(choices.wavelengths),
+           "library": [str(run.resolve()) for run in runs], "noise_m_s2": choices.noise,
+           "columns": passages.NAMES}
     path = folder.path / SETTINGS
     if path.is_file() and (folder.path / TABLE).is_file():
         then = json.loads(path.read_text(encoding="utf-8"))

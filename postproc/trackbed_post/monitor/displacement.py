@@ -4,7 +4,8 @@ Both methods integrate twice in the frequency domain and use that the sleeper re
 `high_pass` is that of the thesis (its section 5.5): a high-pass filter, whose frequency a search
 chooses, and a baseline through the positions at rest. `smoothing` (default) instead estimates the
 drift: that of white noise of the sensor, integrated twice, and of a slowly changing offset, such
-that the sleeper is at its position of rest wherever it is quiet. This is a least-squares problem
+that the sleeper is at its position of rest wherever it is quiet; this position sinks if the sleeper
+settles. This is a least-squares problem
 (a smoothing spline, Wahba 1990, doi:10.1137/1.9781611970128), which also gives the standard
 deviation of the displacement. Where both differ from the thesis: docs/monitoring.md.
 """
@@ -34,6 +35,8 @@ SLOW = 1.0            # m, wavelength: longer ones choose the high-pass filter
 NOISE_BAND = (3.0, 1.5)  # m, shorter than what distant axles cause
 QUIETEST = 0.05       # of what is at rest, whose loudness is taken for noise
 QUIET_NOISE = 0.10    # loudness of that part of white noise over its mean, measured
+SETTLES = 0.5         # of the largest deflection: settlement that is expected, if any
+SIGNIFICANT = 3.0     # standard deviations by which settlement must improve the fit
 MOST_CELLS = 1500     # of a record: 3 km of train
 TRUSTED = 4.0         # largest misfit that noise explains: 2.7 in passages without a fault
 METHODS = ("smoothing", "high_pass")
@@ -44,13 +47,16 @@ class Reconstruction:
     """Displacement, m, upwards positive, zero at rest, and its standard deviation; where the
     sleeper rests; high-pass frequency, Hz, or 0; noise of a sample, m/s2 (noise_of); largest
     residual of the equations over its standard deviation: above TRUSTED something other than noise
-    moves the signal; whether the sensor is mounted upside down, so that its signal was reversed."""
+    moves the signal; settlement during the passage, m, downwards, and its standard deviation, or
+    0 if none is noticed (only by smoothing); whether the sensor is mounted upside down, so that its
+    signal was reversed."""
     displacement: np.ndarray
     deviation: np.ndarray
     at_rest: np.ndarray
     high_pass: float
     noise: float
     misfit: float
+    settlement: tuple
     reversed: bool
 
     @property
@@ -60,9 +66,11 @@ class Reconstruction:
         return -float(self.displacement[at]), float(self.deviation[at])
 
 
-def reconstruct(acceleration, rate, speed, method="smoothing", doubtful=None):
+def reconstruct(acceleration, rate, speed, method="smoothing", doubtful=None, noise=None):
     """A Reconstruction. `doubtful`: samples that were clipped or interpolated, which count less.
-    Raises read.Unreadable if the record is too short or the sleeper does not rest."""
+    `noise`: standard deviation of the sensor's noise in a sample, m/s2, if it is known; otherwise
+    that of the quietest part, which contains what the sleeper still moves. Raises read.Unreadable
+    if the record is too short or the sleeper does not rest."""
     acceleration = np.asarray(acceleration, float)
     refuse_useless(acceleration, rate, speed, method)
     loudness = loudness_of(acceleration, rate, speed)
@@ -72,15 +80,20 @@ def reconstruct(acceleration, rate, speed, method="smoothing", doubtful=None):
         raise read.Unreadable(f"the sleeper rests for {100 * at_rest.mean():.2g} % of the record, "
                               f"but {100 * LEAST_REST:g} % are needed: record before and after the "
                               "train, too")
-    noise = noise_of(acceleration, rate, speed, at_rest)
+    if noise is None:
+        noise = noise_of(acceleration, rate, speed, at_rest)
     high_pass, deviation, misfit = 0.0, np.full(len(acceleration), np.nan), np.nan
+    settlement = 0.0, 0.0
     if method == "high_pass":
         displacement, high_pass = by_high_pass(acceleration, rate, speed, at_rest)
     else:
-        displacement, deviation, misfit = by_smoothing(acceleration, rate, cells, noise)
+        smoothing = Smoothing(acceleration, rate, cells, noise)
+        solution = smoothing.best()
+        displacement, deviation = smoothing.displacement(solution), smoothing.deviation(solution)
+        misfit, settlement = solution.misfit, solution.settlement
     upside_down = bool(displacement.max() > 2 * -displacement.min())
     return Reconstruction(-displacement if upside_down else displacement, deviation, at_rest,
-                          high_pass, noise, misfit, upside_down)
+                          high_pass, noise, misfit, settlement, upside_down)
 
 
 def refuse_useless(acceleration, rate, speed, method):
@@ -193,36 +206,83 @@ class Cells:
         return values[:self.count * self.samples].reshape(self.count, -1).mean(axis=1)
 
 
-def by_smoothing(acceleration, rate, cells, noise):
-    """(displacement, standard deviation, misfit). Unknown are the drift of each cell and the
-    polynomial of the offset; equations, each divided by its standard deviation, are that a cell at
-    rest is at zero and that the second difference of the drift is the offset."""
-    place = 2 * (np.arange(len(acceleration)) / max(len(acceleration) - 1, 1)) - 1
-    places = cells.mean(place)
-    powers = np.vander(places, OFFSET + 1)
-    rest = np.flatnonzero(cells.at_rest)
-    level, *_ = np.linalg.lstsq(powers[rest], cells.mean(acceleration)[rest], rcond=None)
-    whole = integrated(acceleration - np.vander(place, OFFSET + 1) @ level, rate)
-    deflection = (DEFLECTION / (2 * np.pi * cells.speed))**2  # m per m/s2
-    # Within WINDOW positions err together, so that each of its cells counts less.
-    unsure = np.sqrt(cells.loudness * (UPLIFT * deflection)**2 +
-                     cells.loudness.max() * (FLOOR * deflection)**2) * np.sqrt(WINDOW / CELL)
-    of_mean = np.hypot(noise / np.sqrt(cells.samples), cells.doubtful * cells.largest)
-    of_mean = np.maximum(of_mean, 1e-4 * np.sqrt(cells.loudness.max()))[1:-1]
-    n, rows = cells.count, np.arange(cells.count - 2)
-    system = np.zeros((len(rest) + n - 2, n + OFFSET + 1))
-    system[np.arange(len(rest)), rest] = 1 / unsure[rest]
-    for shift, factor in enumerate((1, -2, 1)):
-        system[len(rest) + rows, rows + shift] = factor / (cells.step**2 * of_mean)
-    system[len(rest):, n:] = powers[1:-1] / of_mean[:, None]
-    right = np.zeros(len(system))
-    right[:len(rest)] = -cells.mean(whole)[rest] / unsure[rest]
-    scale = np.sqrt((system**2).sum(axis=0))
-    orthogonal, upper = scipy.linalg.qr(system / scale, mode="economic", check_finite=False)
-    found = scipy.linalg.solve_triangular(upper, orthogonal.T @ right) / scale
-    inverse = scipy.linalg.solve_triangular(upper, np.eye(len(upper)))
-    deviation = np.sqrt((inverse**2).sum(axis=1))[:n] / scale[:n]
-    misfit = float(np.abs(system @ found - right).max())
-    time = np.arange(len(acceleration)) / rate
-    drift = scipy.interpolate.CubicSpline(cells.time, found[:n])(time)
-    return whole + drift, np.interp(time, cells.time, deviation), misfit
+class Smoothing:
+    """Least squares for the drift of each cell, the polynomial of the sensor's offset and, if the
+    sleeper may settle, its settlement in each part of the train. Equations, each divided by its
+    standard deviation: a cell at rest is as low as the sleeper has settled until then; the second
+    difference of the drift is the offset."""
+
+    def __init__(self, acceleration, rate, cells, noise):
+        self.cells, self.time = cells, np.arange(len(acceleration)) / rate
+        place = 2 * (np.arange(len(acceleration)) / max(len(acceleration) - 1, 1)) - 1
+        self.powers = np.vander(cells.mean(place), OFFSET + 1)
+        self.rest = np.flatnonzero(cells.at_rest)
+        level, *_ = np.linalg.lstsq(self.powers[self.rest], cells.mean(acceleration)[self.rest],
+                                    rcond=None)
+        self.whole = integrated(acceleration - np.vander(place, OFFSET + 1) @ level, rate)
+        deflection = (DEFLECTION / (2 * np.pi * cells.speed))**2  # m per m/s2
+        # Within WINDOW positions err together, so that each of its cells counts less.
+        self.unsure = np.sqrt(cells.loudness * (UPLIFT * deflection)**2 +
+                              cells.loudness.max() * (FLOOR * deflection)**2
+                              ) * np.sqrt(WINDOW / CELL)
+        of_mean = np.hypot(noise / np.sqrt(cells.samples), cells.doubtful * cells.largest)
+        self.of_mean = np.maximum(of_mean, 1e-4 * np.sqrt(cells.loudness.max()))[1:-1]
+        self.settles = SETTLES * np.sqrt(cells.loudness.max()) * deflection  # m
+
+    def solve(self, steps):
+        """A Solution. `steps`: number of settlements, 0 or one for each time that the sleeper
+        comes to rest."""
+        n, cells, rest = self.cells.count, self.cells, self.rest
+        drift, offset = np.zeros((n, n + OFFSET + 1 + steps)), slice(n, n + OFFSET + 1)
+        drift[:, :n] = np.eye(n)
+        at_rest = drift[rest]
+        for step in range(steps):
+            at_rest[self.parts > step, offset.stop + step] = -1
+        bent = np.diff(drift, 2, axis=0) / cells.step**2
+        bent[:, offset] += self.powers[1:-1]
+        settled = np.eye(steps, drift.shape[1], offset.stop)
+        system = np.vstack([at_rest / self.unsure[rest, None], bent / self.of_mean[:, None],
+                            settled / self.settles])
+        right = np.zeros(len(system))
+        right[:len(rest)] = -cells.mean(self.whole)[rest] / self.unsure[rest]
+        return Solution(system, right, n, steps)
+
+    @property
+    def parts(self):
+        """Of each cell at rest: how often the sleeper has moved before."""
+        return np.cumsum(np.r_[0, np.diff(self.rest) > 1])
+
+    def best(self):
+        """Without settlement, unless one explains the signal better than chance."""
+        still, steps = self.solve(0), int(self.parts.max())
+        if steps == 0:
+            return still
+        moved = self.solve(steps)
+        better = still.squares - moved.squares > SIGNIFICANT**2 + steps
+        return moved if better and moved.settlement[0] > 0 else still
+
+    def displacement(self, solution):
+        drift = scipy.interpolate.CubicSpline(self.cells.time, solution.drift)
+        return self.whole + drift(self.time)
+
+    def deviation(self, solution):
+        return np.interp(self.time, self.cells.time, solution.deviation)
+
+
+class Solution:
+    """Drift of each cell and its standard deviation, m; settlement, m, downwards, and its standard
+    deviation; sum of squares and largest residual over its deviation."""
+
+    def __init__(self, system, right, cells, steps):
+        scale = np.sqrt((system**2).sum(axis=0))
+        orthogonal, upper = scipy.linalg.qr(system / scale, mode="economic", check_finite=False)
+        found = scipy.linalg.solve_triangular(upper, orthogonal.T @ right) / scale
+        inverse = scipy.linalg.solve_triangular(upper, np.eye(len(upper))) / scale[:, None]
+        residuals = system @ found - right
+        self.drift = found[:cells]
+        self.deviation = np.sqrt((inverse[:cells]**2).sum(axis=1))
+        self.squares, self.misfit = float(residuals @ residuals), float(np.abs(residuals).max())
+        last = slice(len(found) - steps, None)
+        self.settlement = (-float(found[last].sum()),
+                           float(np.sqrt((inverse[last].sum(axis=0)**2).sum()))
+                           ) if steps else (0.0, 0.0)

@@ -62,9 +62,10 @@ def plain(name):
     return name.replace("$", r"\$")
 
 
-def passage(signal, speed, name):
+def passage(signal, speed, name, noise=None):
     """Acceleration and displacement of a passage, a measured.Signal."""
-    found = displacement.reconstruct(signal.values, signal.rate, speed, doubtful=signal.doubtful)
+    found = displacement.reconstruct(signal.values, signal.rate, speed, doubtful=signal.doubtful,
+                                     noise=noise)
     time, signal = signal.time - signal.time[0], signal.values
     figure, (upper, lower) = plt.subplots(2, 1, sharex=True, figsize=(10, 6))
     upper.plot(time, signal, lw=0.5)

@@ -236,22 +236,26 @@ def identify(problem, likeness=LIKENESS, method="tikhonov", criterion="gcv", noi
 
 
 def evaluate(acceleration, kernel, speed, doubtful=None, quantity="acceleration", first=0,
-             bounds=RANGE, **choices):
+             bounds=RANGE, known_noise=None, refined=True, **choices):
     """(Forces, Arrival, Reconstruction) of a passage of the kernel's train, from an acceleration at
-    the rate of the kernel; `choices` are those of `identify`."""
+    the rate of the kernel; `choices` are those of `identify`, `known_noise` is that of
+    displacement.reconstruct. `refined`: whether the acceleration improves the place of the train,
+    which is found by the displacement at first."""
     bogie_of(kernel, first)
     if quantity == "displacement" and choices.get("criterion") == "residual":
         raise read.Unreadable('the criterion "residual" needs white noise, which a displacement '
                               'does not have: choose another criterion or the acceleration')
-    found = reconstruction.reconstruct(acceleration, kernel.rate, speed, doubtful=doubtful)
+    found = reconstruction.reconstruct(acceleration, kernel.rate, speed, doubtful=doubtful,
+                                       noise=known_noise)
     came = arrival(found, kernel, speed)
     upright = np.asarray(acceleration, float) * (-1 if found.reversed else 1)
-    shift, deviation = placed(Problem(upright, kernel, speed, came.start, "acceleration", first,
-                                      bounds), came.deviation)
-    came = dataclasses.replace(came, start=came.start - shift, deviation=deviation)
+    if refined:
+        shift, deviation = placed(Problem(upright, kernel, speed, came.start, "acceleration", first,
+                                          bounds), came.deviation)
+        came = dataclasses.replace(came, start=came.start - shift, deviation=deviation)
     signal = upright if quantity == "acceleration" else found.displacement
     problem = Problem(signal, kernel, speed, came.start, quantity, first, bounds)
-    choices = {"noise": found.noise, "unsure": deviation} | choices
+    choices = {"noise": found.noise, "unsure": came.deviation} | choices
     return identify(problem, **choices), came, found
 
 

@@ -40,11 +40,20 @@ class Row:
     similarity: float
     peak_mm: float
     deviation_mm: float
+    settlement_mm: float
     misfit: float
     noise_m_s2: float
     acceleration_m_s2: float
     displacement_mm: float
     remarks: str
+
+
+@dataclasses.dataclass(frozen=True)
+class Choices:
+    """How passages are evaluated: band of the indicators, m; standard deviation of the sensor's
+    noise in a sample, m/s2, if it is known."""
+    wavelengths: tuple = indicators.WAVELENGTHS
+    noise: float | None = None
 
 
 NAMES = [field.name for field in dataclasses.fields(Row)]
@@ -94,11 +103,11 @@ def listed(folder):
     return [{name: text or "" for name, text in line.items()} for line in lines]
 
 
-def evaluate(folder, line, library, wavelengths):
+def evaluate(folder, line, library, choices):
     """The Row of a passage. A passage that cannot be evaluated has the reason among its remarks."""
     remarks, found = [], {}
     try:
-        measure(measured.acceleration(folder / line["file"]), line, library, wavelengths, found,
+        measure(measured.acceleration(folder / line["file"]), line, library, choices, found,
                 remarks)
     except (read.Unreadable, OSError) as why:
         remarks.append(str(why))
@@ -112,7 +121,7 @@ def evaluate(folder, line, library, wavelengths):
         "remarks": "; ".join(remarks)}))
 
 
-def measure(signal, line, library, wavelengths, found, remarks):
+def measure(signal, line, library, choices, found, remarks):
     """Puts what is found of a signal into `found`, and what is doubtful into `remarks`."""
     remarks += signal.remarks
     rate = signal.rate
@@ -131,7 +140,8 @@ def measure(signal, line, library, wavelengths, found, remarks):
     if not math.isfinite(speed):
         raise read.Unreadable("the speed is neither given nor recognised")
     found["speed_m_s"] = speed
-    done = displacement.reconstruct(signal.values, rate, speed, doubtful=signal.doubtful)
+    done = displacement.reconstruct(signal.values, rate, speed, doubtful=signal.doubtful,
+                                    noise=choices.noise)
     if done.reversed:
         remarks.append("the sensor is upside down; its signal was reversed")
     if done.misfit > displacement.TRUSTED:
@@ -145,12 +155,13 @@ def measure(signal, line, library, wavelengths, found, remarks):
             remarks.append(f"the train is {abs(more):.0f} m {'longer' if more > 0 else 'shorter'} "
                            "than its reference")
     peak, deviation = done.peak
-    found |= {"peak_mm": 1e3 * peak, "deviation_mm": 1e3 * deviation, "misfit": done.misfit,
+    found |= {"peak_mm": 1e3 * peak, "deviation_mm": 1e3 * deviation,
+              "settlement_mm": 1e3 * done.settlement[0], "misfit": done.misfit,
               "noise_m_s2": done.noise}
     for name, quantity, factor in (("acceleration_m_s2", "acceleration", 1),
                                    ("displacement_mm", "displacement", 1e3)):
-        found[name] = factor * indicators.indicator(signal.values, rate, speed, wavelengths,
-                                                    quantity, done.at_rest)
+        found[name] = factor * indicators.indicator(signal.values, rate, speed,
+                                                    choices.wavelengths, quantity, done.at_rest)
 
 
 # The library of a worker process.
@@ -162,8 +173,8 @@ def _start(library):
     _library = library
 
 
-def _work(folder, line, wavelengths):
-    return evaluate(folder, line, _library, wavelengths)
+def _work(folder, line, choices):
+    return evaluate(folder, line, _library, choices)
 
 
 def known_rows(path):
@@ -191,7 +202,7 @@ def texts(record):
             for value in dataclasses.astuple(record)]
 
 
-def batch(folder, path, library, wavelengths=indicators.WAVELENGTHS, workers=1, report=print):
+def batch(folder, path, library, choices=Choices(), workers=1, report=print):
     """Evaluates the passages of a folder that the table `path` does not have yet; their number."""
     folder, lines = pathlib.Path(folder), listed(pathlib.Path(folder))
     known = known_rows(path)
@@ -201,7 +212,7 @@ def batch(folder, path, library, wavelengths=indicators.WAVELENGTHS, workers=1, 
         table = csv.writer(file, lineterminator="\n")
         if not path.stat().st_size:
             table.writerow(NAMES)
-        for row in evaluated(folder, todo, library, wavelengths, workers):
+        for row in evaluated(folder, todo, library, choices, workers):
             table.writerow(texts(row))
             file.flush()
             count += 1
@@ -210,17 +221,17 @@ def batch(folder, path, library, wavelengths=indicators.WAVELENGTHS, workers=1, 
     return count
 
 
-def evaluated(folder, lines, library, wavelengths, workers):
+def evaluated(folder, lines, library, choices, workers):
     """Rows in the order of the lines."""
     if workers < 2:
         for line in lines:
-            yield evaluate(folder, line, library, wavelengths)
+            yield evaluate(folder, line, library, choices)
         return
     with concurrent.futures.ProcessPoolExecutor(workers, initializer=_start,
                                                 initargs=(library,)) as pool:
         waiting = []
         for line in lines:
-            waiting.append(pool.submit(_work, folder, line, wavelengths))
+            waiting.append(pool.submit(_work, folder, line, choices))
             if len(waiting) >= AHEAD:
                 yield waiting.pop(0).result()
         for future in waiting:

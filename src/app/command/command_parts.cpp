@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
+#include "app/restart/track_resume.hpp"
 #include "app/run/result_folder.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/petsc.hpp"
@@ -50,6 +52,17 @@ model::Model read_model(const input::Deck& deck, Warnings& warnings) {
   model::Model model;
   warnings.add(deck.fill(model::declaration_of(model)));
   return model;
+}
+
+bool is_there(const par::Comm& comm, const std::string& path) {
+  std::error_code error;  // what cannot be looked at is not there
+  const bool there = comm.root() && std::filesystem::exists(path, error) && !error;
+  return !comm.broadcast(there ? "there" : "").empty();
+}
+
+bool has_begun(const par::Comm& comm, const std::string& folder) {
+  const bool finished = comm.root() && is_finished(folder);
+  return is_there(comm, folder + "/latest") || !comm.broadcast(finished ? "finished" : "").empty();
 }
 
 int finish(Run& run, const model::RunContext& context) {

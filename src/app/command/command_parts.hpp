@@ -43,6 +43,11 @@ void warn_of_unused_options(const par::Comm& comm, const std::vector<std::string
 // built.
 void look_at_profiles(const model::Model& model, Warnings& warnings);
 
+// Whether a path exists, by the file system of rank 0. Collective.
+bool is_there(const par::Comm& comm, const std::string& path);
+// Whether a run in `folder` can be continued or is finished. Collective.
+bool has_begun(const par::Comm& comm, const std::string& folder);
+
 // Runs and returns the exit code, from which a script decides whether to run `resume`; a log line
 // states the same. Collective.
 int finish(Run& run, const model::RunContext& context);

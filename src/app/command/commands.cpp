@@ -15,8 +15,10 @@
 
 #include "app/command/command_parts.hpp"
 #include "app/restart/compatible.hpp"
+#include "app/restart/continuation.hpp"
 #include "app/restart/spent.hpp"
 #include "app/restart/track_resume.hpp"
+#include "app/run/progress.hpp"
 #include "app/run/result_folder.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/petsc.hpp"
@@ -54,6 +56,20 @@ void look_at_cell(const model::Model& model, const input::Deck& deck, Warnings& 
       changed_springs(io::open_checkpoint(comm, cell), cell, model::effective_deck(model), deck));
 }
 
+// A finished run of a track may have no checkpoint.
+int continue_run(const par::Comm& comm, const std::string& folder,
+                 const std::vector<std::string>& overrides) {
+  const bool finished = comm.root() && is_finished(folder);
+  if (!comm.broadcast(finished ? "finished" : "").empty()) {
+    print(comm, folder + ": the run is already finished\n");
+    return static_cast<int>(ExitCode::success);
+  }
+  Arguments arguments;
+  arguments.file = folder;
+  arguments.overrides = overrides;
+  return resume(comm, arguments);
+}
+
 }  // namespace
 
 // Without -o the folder has the name of the deck file.
@@ -64,6 +80,8 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   const std::string folder = arguments.folder.empty()
                                  ? "results/" + fs::path(arguments.deck).stem().string()
                                  : arguments.folder;
+  if (arguments.or_resume && has_begun(comm, folder))
+    return continue_run(comm, folder, overrides_of_same_run(comm, folder, model));
   if (!model.has_stages()) require_files(model.track);
   const std::string start = checked_start(model, deck, origin);
   checked_ground(model, deck, warnings);
@@ -76,9 +94,10 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   look_at_profiles(model, warnings);
   // After all checks and before the model is built: a refused run removes nothing, and a folder
   // that cannot be made is reported at once.
-  const FolderLock lock =
-      prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse,
-                     {start, model.bed.cell});
+  const FolderLock lock = prepare_folder(
+      comm, folder,
+      arguments.force || arguments.or_resume ? OldResults::remove : OldResults::refuse,
+      {start, model.bed.cell});
   model::RunContext context(comm, model, deck, arguments.deck, folder);
   const std::unique_ptr<model::Scheme> scheme = model::make_scheme(context, to_place.shapes);
   Run run(context, *scheme);
@@ -172,6 +191,13 @@ int kernel(const par::Comm& comm, const Arguments& arguments) {
 // is undamaged. Of results only attributes are read.
 int info(const par::Comm& comm, const Arguments& arguments) {
   if (!fs::exists(arguments.file)) throw InputError({arguments.file + ": does not exist"});
+  if (fs::is_directory(arguments.file)) {
+    const std::string words = comm.broadcast(comm.root() ? case_in_words(arguments.file) : "");
+    print(comm, words);
+    // A run that has written no checkpoint yet.
+    if (!words.empty() && !is_there(comm, arguments.file + "/latest"))
+      return static_cast<int>(ExitCode::success);
+  }
   const bool results = fs::path(arguments.file).filename() == "results.h5";
   Warnings warnings{comm};
   const std::string path =

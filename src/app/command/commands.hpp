@@ -19,7 +19,8 @@ struct Arguments {
   std::string drawing;                 // check: file to draw the model into
   ShapeArguments shapes;
   model::KernelParameters kernel;
-  bool force = false;  // run: results of an earlier run may be removed
+  bool force = false;      // run: results of an earlier run may be removed
+  bool or_resume = false;  // run: a run that has begun is continued
 };
 
 int run(const par::Comm& comm, const Arguments& arguments);

@@ -143,8 +143,13 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
   sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
   with_overrides(sub)->add_option("-o,--output", arguments.folder,
                                   "Result folder; default results/<name of the deck>");
-  sub->add_flag("--force", arguments.force,
-                "First remove the results of an earlier run from the result folder");
+  CLI::Option* force =
+      sub->add_flag("--force", arguments.force,
+                    "First remove the results of an earlier run from the result folder");
+  sub->add_flag("--or-resume", arguments.or_resume,
+                "Continue the run if the result folder has a checkpoint of it, for jobs that a "
+                "queue may start again; a finished run is left as it is")
+      ->excludes(force);
   sub = command("resume", "Continue a run that was stopped", resume);
   sub->add_option("checkpoint", arguments.file, "Checkpoint, or the folder that contains it")
       ->required();
@@ -163,8 +168,9 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
       "section", arguments.section,
       "A section or parameter, for example ground or train.speed, or a word to look for");
   command("schema", "Print the JSON schema of decks", schema);
-  sub = command("info", "Print the contents of a checkpoint or a results file", info);
-  sub->add_option("file", arguments.file, "Checkpoint (or its folder) or results.h5")->required();
+  sub = command("info", "Print how far a run is, or the contents of a checkpoint or a results file",
+                info);
+  sub->add_option("file", arguments.file, "Folder of a run, checkpoint or results.h5")->required();
   sub = command("shapes", "Print measures of stones, write a library or a picture of them",
                 [&](const par::Comm& comm, const Arguments&) {
                   arguments.shapes.stone.vertices = arguments.shapes.mesh.vertices;

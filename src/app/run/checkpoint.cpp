@@ -29,9 +29,14 @@ std::string folder_of_checkpoint(const std::string& checkpoint) {
 // name is written to `latest` once the file is complete.
 void Run::checkpoint(const std::string& name) {
   const auto timing = context_.timers.scope(Phase::output);
+  const double begin = context_.log.wall_time();
   scheme_.flush();
   io::write_checkpoint(context_.comm, context_.folder, name, [&](io::File& file) { save(file); });
   last_checkpoint_ = context_.folder + "/" + name;
+  checkpoint_at_ = context_.log.wall_time();
+  // Twice: a disk that many jobs share may be slower next time.
+  context_.reserve = std::max(context_.reserve, 60 + 2 * (checkpoint_at_ - begin));
+  progress_.note("checkpoint", {{"file", name}});
 }
 
 // The whole input with its defaults is stored: `resume` needs no deck, and later versions with

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "app/restart/track_resume.hpp"
+#include "app/run/progress.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/observe/output_parts.hpp"
 
@@ -40,7 +41,8 @@ bool strip(std::string_view& name, std::string_view start, std::string_view end)
 // A partly written file has the ending .part.
 bool is_result(std::string_view name) {
   strip(name, "", ".part");
-  if (name == "results.h5" || name == "summary.json" || name == "latest") return true;
+  if (name == "results.h5" || name == "summary.json" || name == "latest" || name == progress_file)
+    return true;
   if (strip(name, "checkpoint_", ".h5"))
     return name.find_first_not_of("0123456789") == std::string_view::npos;
   return strip(name, "stage_", ".h5");

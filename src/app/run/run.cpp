@@ -31,6 +31,7 @@ constexpr std::size_t periodic_checkpoints_kept = 2;
 Run::Run(model::RunContext& context, model::Scheme& scheme)
     : context_(context),
       scheme_(scheme),
+      progress_(context, scheme),
       files_(contents_of_files(context.comm, model::effective_deck(context.model))) {}
 
 void Run::add_state_warnings(const std::vector<std::string>& warnings) {
@@ -44,6 +45,7 @@ Outcome Run::execute() {
     return outcome;
   } catch (const RunError& error) {
     scheme_.rescue();
+    progress_.note("end", {{"outcome", "failed"}, {"message", error.what()}});
     throw RunError(fmt::format("{} (at {:.6g} s, stage \"{}\"); {}", error.what(),
                                course_.clock.time(), scheme_.stage(),
                                what_is_left(last_checkpoint_, started_from_, context_.folder)));
@@ -57,6 +59,7 @@ Outcome Run::run_stages() {
   model::catch_interrupts();
   scheme_.start();
   context_.log.mark(course_.clock.time());
+  progress_.begin(last_checkpoint_.empty() ? started_from_ : last_checkpoint_);
   agreed_ = course_.windows, agreed_at_ = context_.log.wall_time();
   while (course_.stage < scheme_.stages()) {
     if (!course_.begun && !begin_stage()) return stop();
@@ -64,10 +67,10 @@ Outcome Run::run_stages() {
       scheme_.advance();
       const Verdict verdict = agree();
       scheme_.record();
-      if (verdict == Verdict::report)
-        context_.log.progress(course_.clock.time(), time_left(), scheme_.status());
+      if (verdict == Verdict::report) report();
       if (verdict == Verdict::stop) return stop_with_checkpoint();
-      checkpoint_if_due();
+      if (verdict == Verdict::save || context_.ends(context_.model.output.checkpoint_interval))
+        periodic_checkpoint();
     }
     end_stage();
   }
@@ -77,7 +80,16 @@ Outcome Run::run_stages() {
 // False if the run is to stop before the stage has begun: there is nothing to store.
 bool Run::begin_stage() {
   course_.begun = scheme_.begin_stage();
+  if (course_.begun) progress_.note("stage");
   return course_.begun;
+}
+
+void Run::report() {
+  const model::Status status = scheme_.status();
+  const model::Pace pace = context_.log.progress(course_.clock.time(), time_left(), status.words);
+  nlohmann::ordered_json line{{"speed", pace.speed}, {"remaining_s", pace.left}};
+  line.update(status.figures);
+  progress_.note("progress", line);
 }
 
 // Called again for the same window by a run that is resumed there.
@@ -104,6 +116,7 @@ Outcome Run::stop_with_checkpoint() {
 
 Outcome Run::stop() {
   write_summary(Outcome::stopped);
+  progress_.note("end", {{"outcome", "stopped"}});
   return Outcome::stopped;
 }
 
@@ -112,6 +125,7 @@ Outcome Run::finish() {
   course_.stage = scheme_.stages() - 1;
   for (const std::string& warning : scheme_.warnings_at_end()) context_.warn(warning);
   write_summary(Outcome::finished);
+  progress_.note("end", {{"outcome", "finished"}});
   return Outcome::finished;
 }
 
@@ -134,6 +148,7 @@ Run::Verdict Run::agree() {
   // Ordered by priority, so that the maximum over ranks decides: errors before all others.
   Verdict mine = Verdict::go_on;
   if (context_.comm.root() && context_.log.due()) mine = Verdict::report;
+  if (context_.comm.root() && is_long_without_checkpoint()) mine = Verdict::save;
   if (context_.is_to_stop() || is_at_given_stop()) mine = Verdict::stop;
   if (!problem.empty()) mine = Verdict::trouble;
   const auto verdict = static_cast<Verdict>(context_.comm.max(static_cast<std::int64_t>(mine)));
@@ -153,9 +168,13 @@ void Run::plan_next_agreement() {
   next_agreement_ = agreed_ + std::max<std::int64_t>(1, std::llround(most));
 }
 
+bool Run::is_long_without_checkpoint() const {
+  const double interval = context_.model.output.checkpoint_wall_interval;
+  return interval > 0 && context_.log.wall_time() - checkpoint_at_ > interval;
+}
+
 // Those of a run before it was resumed are not known here and remain.
-void Run::checkpoint_if_due() {
-  if (!context_.ends(context_.model.output.checkpoint_interval)) return;
+void Run::periodic_checkpoint() {
   checkpoint(name_of_checkpoint());
   periodic_checkpoints_.push_back(last_checkpoint_);
   if (periodic_checkpoints_.size() <= periodic_checkpoints_kept) return;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/run/progress.hpp"
 #include "trackbed/model/scheme.hpp"
 
 namespace trackbed::app {
@@ -35,7 +36,7 @@ class Run {
 
  private:
   // In rising priority: the maximum over all ranks decides.
-  enum class Verdict : std::int64_t { go_on, report, stop, trouble };
+  enum class Verdict : std::int64_t { go_on, report, save, stop, trouble };
 
   Outcome run_stages();
   bool begin_stage();
@@ -49,7 +50,9 @@ class Run {
   bool must_agree() const;
   Verdict agree();
   void plan_next_agreement();
-  void checkpoint_if_due();
+  void report();
+  bool is_long_without_checkpoint() const;  // on rank 0
+  void periodic_checkpoint();
   std::string name_of_checkpoint() const;
   void checkpoint(const std::string& name);
   void save(io::File& file);
@@ -58,12 +61,13 @@ class Run {
 
   model::RunContext& context_;
   model::Scheme& scheme_;
+  Progress progress_;
   model::Course& course_ = context_.course;
   std::string last_checkpoint_, started_from_;
   std::vector<std::string> deck_warnings_;         // before the run began
   std::vector<std::string> periodic_checkpoints_;  // of this run, oldest first
   std::int64_t agreed_ = 0, next_agreement_ = 0;   // windows of the run
-  double agreed_at_ = 0;                           // s of wall time
+  double agreed_at_ = 0, checkpoint_at_ = 0;       // s of wall time
   const std::string files_;                        // hashes of the files of the deck
 };
 

@@ -46,13 +46,14 @@ bool Log::due() const { return wall_time() - last_line_ > seconds_between_lines;
 
 void Log::warning(const std::string& sentence) { say(comm_, "warning: " + sentence); }
 
-void Log::progress(double time, double remaining, const std::string& status) {
+Pace Log::progress(double time, double remaining, const std::string& status) {
   const double wall = wall_time(), speed = (time - last_time_) / (wall - last_line_);  // s per s
   const double left = speed > 0 ? remaining / speed : 0;
   say(comm_,
       fmt::format("  {:>8.4f} s | {:.3g} ms simulated per s of wall time | remaining {}{}{}", time,
                   speed * 1e3, clock_words(left), status.empty() ? "" : " | ", status));
   mark(time);
+  return {speed, left};
 }
 
 void Log::instead(const std::string& line) {

@@ -207,6 +207,8 @@ void RunOutput::declare(input::Section& s) {
            "Simulated time between checkpoints within a stage, rounded to windows; 0: only at the "
            "end of the stage. For the models track and track_on_ground the default is 0: none, "
            "except when a run is stopped.");
+  s.number("checkpoint_wall_interval", checkpoint_wall_interval, {.unit = "s", .at_least = 0},
+           "Wall time after the last checkpoint at which another one is written; 0: none.");
   s.number("wall_time", wall_time, {.unit = "s", .at_least = 0},
            "Wall time after which a checkpoint is written and the run stops; 0: no limit.");
   s.integer("stop_after", stop_after, {.at_least = 0},

@@ -119,7 +119,8 @@ void declare_place(const Model& model, input::Section& s) {
          {.reads = {"train", "stage"}});
 }
 
-// The bed's sleepers have their own mass and lie on stones: zones affect only rail and pads there.
+// The bed's sleepers have their own mass and lie on stones: zones affect only rail, pads
+// and the gap there.
 void declare_zones(const Model& model, input::Section& s) {
   const track::TrackParameters& track = model.track.line.track;
   for (std::size_t i = 0; i < track.zones.size(); ++i) {
@@ -129,10 +130,9 @@ void declare_zones(const Model& model, input::Section& s) {
       const double x = track.sleeper_x(static_cast<std::size_t>(model.seat.before + k));
       over += zone.covers(x, 0, track.length) || zone.covers(x, 1, track.length);
     }
-    s.rule(fmt::format("track.zone[{}].from", i),
-           over == 0 || (zone.bed == 1 && zone.gap == 0 && zone.sleeper == 1),
+    s.rule(fmt::format("track.zone[{}].from", i), over == 0 || (zone.bed == 1 && zone.sleeper == 1),
            fmt::format("begins a zone that contains {} sleeper{} of the bed: {} on stones and {} a "
-                       "mass of {} own, so that `bed`, `gap` and `sleeper` have no effect there",
+                       "mass of {} own, so that `bed` and `sleeper` have no effect there",
                        over, over == 1 ? "" : "s", over == 1 ? "this one lies" : "these lie",
                        over == 1 ? "has" : "have", over == 1 ? "its" : "their"),
            {.severity = input::Severity::warning, .reads = {"track", "sleepers", "seat", "stage"}});

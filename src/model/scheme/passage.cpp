@@ -150,11 +150,12 @@ void PassageScheme::record_step() {
   histories_.update_extremes(built_.passage);
 }
 
-std::string PassageScheme::status() {
-  if (built_.train.wheels().empty()) return "";
-  const double force = built_.passage.wheel_force(0);
-  return fmt::format("first wheel at {:.2f} m, {}", built_.passage.wheel_x(0),
-                     force > 0 ? fmt::format("{:.2f} kN", force / 1e3) : "off the rail");
+Status PassageScheme::status() {
+  if (built_.train.wheels().empty()) return {};
+  const double force = built_.passage.wheel_force(0), x = built_.passage.wheel_x(0);
+  return {.words = fmt::format("first wheel at {:.2f} m, {}", x,
+                               force > 0 ? fmt::format("{:.2f} kN", force / 1e3) : "off the rail"),
+          .figures = {{"first_wheel_x_m", x}, {"first_wheel_force_n", force}}};
 }
 
 void PassageScheme::end_stage() {

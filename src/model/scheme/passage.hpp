@@ -28,7 +28,7 @@ class PassageScheme final : public Scheme {
   bool agrees_in_every_window() const override { return false; }
   bool is_done() const override { return false; }
   void record() override;
-  std::string status() override;
+  Status status() override;
   void end_stage() override;
   bool keeps_stages() const override { return false; }
   void flush() override;

@@ -1,6 +1,7 @@
 #include "trackbed/model/run_context.hpp"
 
 #include "trackbed/core/whole_steps.hpp"
+#include "trackbed/model/batch_job.hpp"
 #include "trackbed/model/interrupt.hpp"
 
 namespace trackbed::model {
@@ -11,9 +12,10 @@ void RunContext::warn(const std::string& sentence) {
 }
 
 bool RunContext::is_to_stop() const {
-  const bool out_of_time =
-      comm.root() && model.output.wall_time > 0 && log.wall_time() > model.output.wall_time;
-  return interrupted() || out_of_time;
+  if (interrupted()) return true;
+  if (!comm.root()) return false;
+  const double limit = model.output.wall_time;
+  return (limit > 0 && log.wall_time() > limit) || time_left_of_job() < reserve;
 }
 
 std::int64_t RunContext::windows_in(double interval) const {

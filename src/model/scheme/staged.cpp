@@ -208,7 +208,7 @@ double StagedScheme::duration_of_later_stages() const {
   return time;
 }
 
-std::string StagedScheme::status() { return status_of(world_); }
+Status StagedScheme::status() { return status_of(world_); }
 
 std::vector<std::string> StagedScheme::warnings_at_end() {
   return warnings_of_end(world_, present().kind);

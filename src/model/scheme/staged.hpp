@@ -27,7 +27,7 @@ class StagedScheme final : public Scheme {
   bool agrees_in_every_window() const override { return true; }
   bool is_done() const override { return actions_.settled(present(), run_.course.clock); }
   void record() override;
-  std::string status() override;
+  Status status() override;
   void end_stage() override;
   bool keeps_stages() const override { return true; }
   void flush() override { results_.flush(); }

@@ -116,21 +116,33 @@ void say_stage_begins(RunContext& run, World& world, const Stage& stage) {
   run.log.mark(course.clock.time());
 }
 
-std::string status_of(const World& world) {
+Status status_of(const World& world) {
   if (!world.model.has_stones()) {
     const fem::GroundTotals ground = world.ground->totals();
-    return fmt::format("E_kin {:.3g} J, elastic {:.3g} J of the ground", ground.kinetic,
-                       ground.elastic);
+    return {
+        .words = fmt::format("E_kin {:.3g} J, elastic {:.3g} J of the ground", ground.kinetic,
+                             ground.elastic),
+        .figures = {{"ground_kinetic_j", ground.kinetic}, {"ground_elastic_j", ground.elastic}}};
   }
   const dem::Totals totals = world.particles.totals();
   const std::int64_t deep = world.particles.core_overlaps();
-  return fmt::format(
+  Status status;
+  status.figures = {{"kinetic_j", totals.kinetic},
+                    {"largest_overlap_m", totals.largest_overlap},
+                    {"unbalanced", totals.unbalanced},
+                    {"contacts", totals.contacts},
+                    {"core_overlaps", deep}};
+  if (world.platen)
+    status.figures["platen_pressure_pa"] = world.platen->pressure(),
+    status.figures["platen_height_m"] = world.platen->z();
+  status.words = fmt::format(
       "E_kin {:.3g} J | largest overlap {:.3g} um | unbalanced {:.2g} | {} contacts{}{}",
       totals.kinetic, totals.largest_overlap * 1e6, totals.unbalanced, totals.contacts,
       deep > 0 ? fmt::format(" | overlaps above the rounding radii up to now: {}", deep) : "",
       world.platen ? fmt::format(" | platen {:.1f} kPa at {:.4f} m", world.platen->pressure() / 1e3,
                                  world.platen->z())
                    : "");
+  return status;
 }
 
 std::unique_ptr<Waiting> say_equilibrium(const World& world) {

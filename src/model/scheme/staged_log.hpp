@@ -7,6 +7,7 @@
 #include "model/scene/world.hpp"
 #include "model/scheme/waiting.hpp"
 #include "trackbed/model/run_context.hpp"
+#include "trackbed/model/scheme.hpp"
 
 namespace trackbed::model {
 
@@ -18,6 +19,6 @@ void say_stage_ends(const par::Comm& comm, const StageRecord& record);
 // destroyed.
 std::unique_ptr<Waiting> say_equilibrium(const World& world);
 // Of a line of progress.
-std::string status_of(const World& world);
+Status status_of(const World& world);
 
 }  // namespace trackbed::model

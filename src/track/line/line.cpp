@@ -130,14 +130,6 @@ double Line::Impl::bed_factor(double x, std::size_t side) const {
   return run_in(x) * zone_factor(&TrackZone::bed, x, side);
 }
 
-// The largest gap of overlapping zones.
-double Line::Impl::gap_below(double x, std::size_t side) const {
-  double gap = 0;
-  for (const TrackZone& zone : parameters.track.zones)
-    if (zone.covers(x, side, parameters.track.length)) gap = std::max(gap, zone.gap);
-  return gap;
-}
-
 double Line::Impl::rail_factor(std::size_t e, std::size_t side) const {
   return zone_factor(&TrackZone::rail, middle(e), side);
 }
@@ -321,7 +313,7 @@ void Line::Impl::add_pad_below(std::size_t index, std::size_t side) {
 
 // A hanging sleeper. Above moved ground the height of the ground is included in the approach.
 void Line::Impl::add_gap(std::size_t index, std::size_t side, const Kelvin& bed) {
-  stops.push_back(stop_of(bed, gap_below(sleepers[index].x, side)));
+  stops.push_back(stop_of(bed, parameters.track.gap(sleepers[index].x, side)));
   if (parameters.ballast.mass > 0) return;
   sleepers[index].stop[side] = static_cast<std::int32_t>(stops.size() - 1);
   if (is_of(MovedPart::ground, index))
@@ -335,7 +327,7 @@ void Line::Impl::add_ballast(std::size_t index, std::size_t side) {
   add_pad_below(index, side);
   const Kelvin bed = bed_below(sleeper, side);
   Kelvin& lowest = sleeper.lowest[side];
-  if (gap_below(sleeper.x, side) > 0)
+  if (parameters.track.gap(sleeper.x, side) > 0)
     add_gap(index, side, bed);
   else
     connect(lowest = bed);

@@ -75,7 +75,6 @@ struct Line::Impl {
     return parameters.track.factor(of, x, side);
   }
   double rail_factor(std::size_t e, std::size_t side) const;
-  double gap_below(double x, std::size_t side) const;
   double bed_factor(double x, std::size_t side) const;
   BeamElement element(std::size_t e, std::size_t side) const;
   std::array<std::int32_t, 4> unknowns_of(std::size_t e, std::size_t side) const;

@@ -99,6 +99,13 @@ double TrackParameters::factor(double TrackZone::*of, double x, std::size_t side
   return factor;
 }
 
+double TrackParameters::gap(double x, std::size_t side) const {
+  double largest = 0;
+  for (const TrackZone& zone : zones)
+    if (zone.covers(x, side, length)) largest = std::max(largest, zone.gap);
+  return largest;
+}
+
 // Limits as for zones.
 bool UnderSleeperPadParameters::lie_at(double x, double length) const {
   return stiffness > 0 && TrackZone{.from = from, .to = to > 0 ? to : length}.covers(x, 0, length);

@@ -125,7 +125,7 @@ void Line::Impl::add_across(std::size_t index) {
   for (std::size_t e = 0; e < mesh->elements(); ++e) {
     const BeamElement element = across_element(sleeper, e);
     const auto [bed, damper] = bed_across(sleeper, e);
-    const bool hangs = gap_below(sleeper.x, mesh->side(e)) > 0;
+    const bool hangs = parameters.track.gap(sleeper.x, mesh->side(e)) > 0;
     const Matrix4 below = hangs ? Matrix4::Zero().eval() : element.bed(mesh->on_ballast(e));
     add_element(unknowns_across(sleeper, e), element.mass(), damper * below,
                 element.stiffness() + bed * below);
@@ -147,7 +147,8 @@ void Line::Impl::add_gap_across(std::size_t index, std::size_t e) {
     const Four shape = -element.deflection(from + half * (1 + at));
     RailPoint point{.unknown = unknowns_across(sleeper, e)};
     for (std::size_t k = 0; k < 4; ++k) point.value[k] = shape[static_cast<Eigen::Index>(k)];
-    stops.push_back({point, gap_below(sleeper.x, mesh->side(e)), bed * carried, damper * carried});
+    stops.push_back(
+        {point, parameters.track.gap(sleeper.x, mesh->side(e)), bed * carried, damper * carried});
   }
 }
 
@@ -169,7 +170,7 @@ std::array<double, 2> Line::Impl::ground_shape_across(std::size_t e, std::size_t
 void Line::Impl::add_ground_across(std::size_t index, std::size_t side) {
   Sleeper& sleeper = sleepers[index];
   for (std::size_t one = 0; one < sides; ++one)
-    if (gap_below(sleeper.x, one) > 0) return;
+    if (parameters.track.gap(sleeper.x, one) > 0) return;
   Kelvin& lowest = sleeper.lowest[side];
   std::map<std::int32_t, double> on;
   for (std::size_t e = 0; e < mesh->elements(); ++e) {
@@ -224,7 +225,7 @@ double Line::sleeper_moment(std::size_t i, double y, const Vector& u) const {
   const auto ends = [&](std::size_t e) -> Four {
     const BeamElement element = impl.across_element(sleeper, e);
     Matrix4 k = element.stiffness();
-    if (impl.gap_below(sleeper.x, mesh.side(e)) == 0)
+    if (impl.parameters.track.gap(sleeper.x, mesh.side(e)) == 0)
       k += impl.bed_across(sleeper, e)[0] * element.bed(mesh.on_ballast(e));
     const auto unknown = impl.unknowns_across(sleeper, e);
     Four at = Four::Zero();

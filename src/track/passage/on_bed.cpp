@@ -52,13 +52,24 @@ LineParameters on_moved_sleepers(const TrainOnBedParameters& p) {
   return line;
 }
 
+// m, heights of the seats at which the pads carry no load: above hanging sleepers the rail is laid
+// higher than they lie.
+std::vector<double> without_load(const TrainOnBedParameters& p, std::vector<double> levels) {
+  const TrackParameters& track = p.line.track;
+  const std::size_t sides = levels.size() / p.sleepers;
+  for (std::size_t i = 0; i < levels.size(); ++i)
+    levels[i] +=
+        track.gap(track.sleeper_x(static_cast<std::size_t>(p.seat.before) + i / sides), i % sides);
+  return levels;
+}
+
 }  // namespace
 
 // The order of the members matters: the passage keeps references to line and train.
 struct TrainOnBed::Impl {
   Impl(const TrainOnBedParameters& p, const std::vector<double>& at)
       : begin(p.first - p.line.track.sleeper_x(static_cast<std::size_t>(p.seat.before))),
-        levels(at),
+        levels(without_load(p, at)),
         line(on_moved_sleepers(p)),
         rails(rails_of_seat(p)),
         step(p.step),
@@ -77,7 +88,7 @@ struct TrainOnBed::Impl {
   }
 
   double begin;                // m, x of the bed at the start of the track
-  std::vector<double> levels;  // m, of the seats when the rail was placed: state
+  std::vector<double> levels;  // m, of the seats at which pads carry no load: state
   Line line;
   double rails;  // number of rails per seat
   double step;   // s

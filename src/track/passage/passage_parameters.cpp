@@ -137,7 +137,9 @@ void TrackZone::declare(input::Section& s) {
            "does not have its factors (see `to`). Without sleepers it only changes the length of "
            "the rail's elements.");
   s.number("gap", gap, {.unit = "m", .at_least = 0, .at_most = 100, .usually_to = 0.02},
-           "Gap between sleepers and ballast of the unloaded track (hanging sleepers).");
+           "Gap between sleepers and ballast of the unloaded track (hanging sleepers). On a bed: "
+           "height of the straight rail above the place of the sleeper when the rail is laid; its "
+           "pads then lift the sleeper, as far as the rail does not bend.");
   s.choice("side", side, {"both", "left", "right"},
            "Rail, or end of the sleepers, to which the zone applies (space).");
   s.rule("to", to > from, fmt::format("must be above `from` ({:g} m)", from));

@@ -16,8 +16,9 @@ namespace {
 constexpr std::size_t before = 12, count = 17, watched = 8;  // sleepers of the bed; its middle one
 constexpr double duration = 0.22, every = 4e-4;              // s; the second axle is on the bed
 
-LineParameters track_of(double bilinear_at = 0) {
+LineParameters track_of(double bilinear_at = 0, const std::vector<TrackZone>& zones = {}) {
   LineParameters p;
+  p.track.zones = zones;
   p.track.length = 24;
   p.pad.bilinear_at = bilinear_at;
   p.pad.bilinear_stiffness = 4 * p.pad.stiffness;
@@ -57,10 +58,11 @@ Histories alone(double dt, double bilinear_at = 0) {
 enum class Springs { now, late };
 
 struct OnBed {
-  OnBed(double dt, double rails, Springs how, double bilinear_at = 0)
+  OnBed(double dt, double rails, Springs how, double bilinear_at = 0,
+        const std::vector<TrackZone>& zones = {})
       : step(dt),
         springs(how),
-        line(track_of(bilinear_at)),
+        line(track_of(bilinear_at, zones)),
         sleepers({.count = count,
                   .first = 0.6,
                   .length = 1,
@@ -204,6 +206,27 @@ TEST(TrainOnBed, IsRestarted) {
   EXPECT_EQ(model.train.rail_displacement(0), lowest);  // the state of the rail is kept
   for (int i = 0; i < 1000; ++i) model.window();
   EXPECT_NEAR(model.train.wheel_x(0), x + 10, 1e-9);
+}
+
+// A rail that is laid higher than a sleeper lies lifts it.
+TEST(TrainOnBed, TheRailLiftsAHangingSleeper) {
+  constexpr double gap = 5e-4;  // m
+  TrackZone zone{.from = 0.6 * (before + watched) - 0.3, .to = 0.6 * (before + watched) + 0.3};
+  zone.gap = gap;
+  OnBed plain(2e-4, 1, Springs::now), hanging(2e-4, 1, Springs::now, 0, {zone});
+  double bed = 0;  // N, of the springs below all sleepers
+  for (int i = 0; i < 500; ++i) hanging.window(), plain.window();
+  for (std::size_t i = 0; i < count; ++i)
+    bed -= hanging.line.ballast.stiffness *
+           (hanging.sleepers.state(i).displacement.z() - plain.sleepers.state(i).displacement.z());
+  const double lifted = hanging.sleepers.state(watched).displacement.z() -
+                        plain.sleepers.state(watched).displacement.z();
+  EXPECT_GT(lifted, 0);
+  EXPECT_LT(lifted, gap);
+  const double force = hanging.train.seat_force(watched) - plain.train.seat_force(watched);
+  EXPECT_NEAR(force, -hanging.line.ballast.stiffness * lifted, 1e-3 * std::abs(force));
+  // Springs beyond the bed carry the rest.
+  EXPECT_NEAR(bed, 0, 0.02 * std::abs(force));
 }
 
 }  // namespace
