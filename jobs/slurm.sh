@@ -63,7 +63,7 @@ export SLURM_JOB_END_TIME=${SLURM_JOB_END_TIME:-$(date +%s -d "$(squeue -h -j "$
 before=$(cat "$folder/latest" 2>/dev/null || true)
 mpirun -n "$SLURM_NTASKS" "$program" run "$deck" -o "$folder" --or-resume "$@" &
 run=$! ended=
-# USR1: Slurm, two minutes before the end; TERM: a job is taken away, and Slurm decides what follows.
+# USR1: Slurm, two minutes before the end; TERM: a job is taken away, and Slurm decides about it.
 trap 'kill -USR1 $run 2>/dev/null || true' USR1
 trap 'ended=1; kill -USR1 $run 2>/dev/null || true' TERM
 code=0

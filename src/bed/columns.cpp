@@ -1,9 +1,8 @@
 // Columns of loose stones. Each stone depends only on its number and the seed, each column only on
 // its own stones, so any rank can generate any part, in time proportional to that part.
 //
-// Cost: in a plane O(1) per stone; in space `tries` trial positions, each checked against all
-// stones of the column below: O(n^2) in the stones of one column, independent of the bed's area. A
-// cylinder is one column of some thousand stones.
+// Cost: in a plane O(1) per stone; in space `tries` trial positions, each compared with the upper
+// stones of the column, as many as lie in a few layers of it.
 // Rejected alternatives are in docs/decisions/packing.md.
 #include "columns.hpp"
 
@@ -63,20 +62,29 @@ std::int64_t fitting(double length, double width, const char* what) {
 // Combines `widest` narrow columns into one; a bed too narrow for that is one column.
 std::int64_t wider(std::int64_t columns) { return std::max<std::int64_t>(1, columns / widest); }
 
-// Height at which a sphere of radius r, dropped at (x, y), touches those below it or the floor z =
-// 0. For two spheres in contact the distance of centres is r + R:
+}  // namespace
+
+// The highest top of this and all earlier balls tells where the search may end.
+void Heap::add(const geom::Sphere& ball) {
+  const double top = ball.centre.z() + ball.radius;
+  balls_.push_back(ball);
+  highest_.push_back(highest_.empty() ? top : std::max(top, highest_.back()));
+}
+
+// For two spheres in contact the distance of centres is r + R:
 //   (z - Z)^2 = (r + R)^2 - dx^2 - dy^2;   without a real root the spheres do not touch.
-double height_on(const std::vector<geom::Sphere>& balls, double x, double y, double r) {
+// So z is at most Z + R + r. From the latest ball, which is near the top, to earlier ones.
+double Heap::height_on(double x, double y, double r) const {
+  constexpr double rounding = 1e-9;  // of a height
   double z = r;
-  for (const geom::Sphere& ball : balls) {
+  for (std::size_t i = balls_.size(); i-- > 0 && (highest_[i] + r) * (1 + rounding) > z;) {
+    const geom::Sphere& ball = balls_[i];
     const double dx = x - ball.centre.x(), dy = y - ball.centre.y(), reach = r + ball.radius;
     const double rise = reach * reach - dx * dx - dy * dy;
     if (rise > 0) z = std::max(z, ball.centre.z() + std::sqrt(rise));
   }
   return z;
 }
-
-}  // namespace
 
 // A Feistel network permutes the numbers of 2 h bits; numbers beyond `count` are permuted again
 // until they are below it (Black, Rogaway 2002, doi:10.1007/3-540-45760-7_9). At most 4 passes on
@@ -132,14 +140,14 @@ Columns::Columns(const BedParameters& parameters, const dem::Domain& domain, con
 double Columns::build(std::int64_t c, std::vector<dem::NewParticle>& to) const {
   const Vec3 foot = low_ + Vec3(static_cast<double>(c / across_) * size_.x(),
                                 static_cast<double>(c % across_) * size_.y(), 0);
-  std::vector<geom::Sphere> balls;
+  Heap heap;
   double top = 0;
   for (std::int64_t i = c * stones_ / count(); i < (c + 1) * stones_ / count(); ++i) {
     dem::NewParticle stone = make(i);
     const double clearance = gap * size_factor_ * mix_.bound({stone.shape, stone.scale});
     const Vec3 at =
-        dimension_ == Dimension::plane ? on_top(i, clearance, top) : lowest(i, clearance, balls);
-    balls.push_back({at, clearance});
+        dimension_ == Dimension::plane ? on_top(i, clearance, top) : lowest(i, clearance, heap);
+    heap.add({at, clearance});
     top = std::max(top, at.z() + clearance);
     stone.position = foot + at;
     to.push_back(stone);
@@ -169,14 +177,13 @@ Vec3 Columns::on_top(std::int64_t i, double clearance, double top) const {
 // The lowest of several trial positions on the stones of the column, with one seed per trial.
 // Bounding spheres represent the stones: far looser than a packing, but independent of their
 // shapes; the fall compacts them.
-Vec3 Columns::lowest(std::int64_t i, double clearance,
-                     const std::vector<geom::Sphere>& balls) const {
+Vec3 Columns::lowest(std::int64_t i, double clearance, const Heap& heap) const {
   Vec3 best = Vec3::Constant(std::numeric_limits<double>::infinity());
   for (std::uint64_t k = 0; k < tries; ++k) {
     double x = clearance + random(mix(seed_) + k, i, Use::x) * (size_.x() - 2 * clearance);
     double y = clearance + random(mix(seed_) + k, i, Use::y) * (size_.y() - 2 * clearance);
     if (clear_ > 0) std::tie(x, y) = in_circle(i, clearance, mix(seed_) + k);
-    const double z = height_on(balls, x, y, clearance);
+    const double z = heap.height_on(x, y, clearance);
     if (z < best.z()) best = {x, y, z};
   }
   return best;

@@ -12,6 +12,18 @@
 
 namespace trackbed::bed {
 
+// Spheres that lie on each other or on the floor z = 0, in the order in which they were dropped.
+class Heap {
+ public:
+  void add(const geom::Sphere& ball);
+  // z at which a sphere of radius r, dropped at (x, y), touches those below it or the floor.
+  double height_on(double x, double y, double r) const;
+
+ private:
+  std::vector<geom::Sphere> balls_;
+  std::vector<double> highest_;  // m, top of any ball up to this one
+};
+
 // Keeps a reference to `mix`, which must outlive it. Local: every rank holds the same.
 class Columns {
  public:
@@ -29,7 +41,7 @@ class Columns {
   // Stone i without a position; and the position of its centre relative to the foot of its column.
   dem::NewParticle make(std::int64_t i) const;
   Vec3 on_top(std::int64_t i, double clearance, double top) const;
-  Vec3 lowest(std::int64_t i, double clearance, const std::vector<geom::Sphere>& balls) const;
+  Vec3 lowest(std::int64_t i, double clearance, const Heap& heap) const;
 
   std::pair<double, double> in_circle(std::int64_t i, double clearance, std::uint64_t seed) const;
 

@@ -119,6 +119,34 @@ def test_sensor_upside_down_is_noticed(six):
     assert found.reversed and worst(found, six) < 0.01
 
 
+def settling(passage, size, at):
+    """The same passage in which the sleeper settles by `size`, m, when the first wheel is at
+    these positions, m."""
+    count = len(passage.displacement)
+    time = np.arange(count) / RATE - 45.0 / passage.speed
+    down, slow = passage.displacement.copy(), passage.acceleration.copy()
+    for place in at:
+        step = np.tanh((time - place / passage.speed) / 0.02)
+        down -= size / len(at) * (1 + step) / 2
+        slow += size / len(at) * step * (1 - step**2) / 0.02**2
+    return Passage(passage.speed, down, slow)
+
+
+def test_settlement_is_found_if_the_noise_is_known():
+    one = train(50.0, axles(1), impact=60.0)
+    settled = settling(one, 0.15 * DEEP, [1.5, 18.5])
+    size = 1e-3 * np.sqrt(np.mean(settled.acceleration**2))
+    for seed in range(5):
+        signal = settled.acceleration + size * np.random.default_rng(seed).standard_normal(
+            len(settled.acceleration))
+        found = displacement.reconstruct(signal, RATE, 50.0, noise=size)
+        assert abs(found.settlement[0] / (0.15 * DEEP) - 1) < 0.25
+        assert found.settlement[1] < 0.25 * 0.15 * DEEP
+        assert worst(found, settled) < 0.05
+        still = displacement.reconstruct(noisy(one, 1e-3, seed), RATE, 50.0, noise=size)
+        assert still.settlement == (0.0, 0.0)
+
+
 def faulty(acceleration, doubtful, six):
     """What is found of a signal of which samples are lost."""
     found = displacement.reconstruct(acceleration, RATE, six.speed, doubtful=doubtful)

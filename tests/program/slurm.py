@@ -147,7 +147,8 @@ def check_chain(queue, deck, whole):
     wait_for(lambda: "PENDING" in queue.state(job), 60, f"job {job} back in the queue")
     queue.ended(job)
     log = queue.log(job)
-    if "stopped in time, with a checkpoint" not in log or "continues at" not in log or hash_of(place) != whole:
+    if "stopped in time, with a checkpoint" not in log or "continues at" not in log \
+            or hash_of(place) != whole:
         raise SystemExit(f"the chain: {log}")
 
 

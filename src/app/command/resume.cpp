@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -77,15 +78,33 @@ void require_newest(const par::Comm& comm, const std::string& checkpoint,
       checkpoint, folder, newest)});
 }
 
+// Results of another run have other columns: of another model, or other rows of tables ([[stage]]).
+// Other values may differ, by overrides of a resume.
+void require_same_parts(const io::File& results, const std::string& path, const io::File& file) {
+  const Values of_results = values_of(results.text_attribute("/", "deck"));
+  for (const auto& [key, value] : values_of(file.text_attribute("/", "deck"))) {
+    const auto found = of_results.find(key);
+    const bool row = key.find('[') != key.npos;
+    if (found == of_results.end() ? row : key == "model" && found->second != value)
+      throw InputError(
+          {fmt::format("{}: belongs to another run, whose deck does not have {} = {}; restore the "
+                       "results of this run, or move the file away",
+                       path, key, value)});
+  }
+}
+
 // Damaged histories are refused: the run would replace them. If they do not exist the run continues
 // with a warning. Collective.
 void look_for_histories(const io::File& file, const std::string& checkpoint, Warnings& warnings) {
   const std::string results = folder_of_checkpoint(checkpoint) + "/results.h5";
-  if (!observe::has_histories(warnings.comm, results, model::history_rows_in(file)))
+  const std::int64_t rows = model::history_rows_in(file);
+  if (!observe::has_histories(warnings.comm, results, rows))
     warnings.add(
         {fmt::format("{}: does not exist; the histories begin at the time of the checkpoint, "
                      "{:.6g} s, and earlier rows are lost",
                      results, file.number_attribute("/", "time"))});
+  else if (rows > 0)
+    require_same_parts(observe::open_results(warnings.comm, results), results, file);
 }
 
 // Whether a run of stages is unfinished. All problems are found before the folder is changed.
@@ -148,6 +167,16 @@ StoredDeck stored_in(const par::Comm& comm, const std::string& checkpoint) {
   return {file.text_attribute("/", "deck"), file.text_attribute("/", "deck_name")};
 }
 
+// The run had reached its limit of windows, or not, before the checkpoint that is passed over:
+// unless a new limit is given, it is not to stop there once more.
+std::vector<std::string> without_stop(std::vector<std::string> overrides) {
+  const std::string key = "output.stop_after=";
+  if (std::none_of(overrides.begin(), overrides.end(),
+                   [&](const std::string& word) { return word.starts_with(key); }))
+    overrides.push_back(key + "0");
+  return overrides;
+}
+
 }  // namespace
 
 // The deck is stored in the checkpoint; overrides may change what later windows use. A damaged
@@ -161,8 +190,9 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   const std::string checkpoint =
       checkpoint_meant(comm, arguments.file, io::IfDamaged::pass_over, origin);
   const StoredDeck stored = stored_in(comm, checkpoint);
-  const input::Deck deck =
-      input::Deck::stored(stored.deck, "input stored in " + checkpoint, arguments.overrides);
+  const input::Deck deck = input::Deck::stored(
+      stored.deck, "input stored in " + checkpoint,
+      origin.sentences.empty() ? arguments.overrides : without_stop(arguments.overrides));
   const model::Model model = read_model(deck, warnings);
   // In another folder the last part of a finished track alone is computed again.
   const bool left = model.has_stages()

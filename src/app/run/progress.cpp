@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <fstream>
@@ -36,12 +37,14 @@ bool ends_within_a_line(const std::string& path) {
 void Progress::note(const char* event, const Json& more) {
   if (!context_.comm.root()) return;
   const model::Course& course = context_.course;
+  // After the last stage, where a run continues that was killed before its summary, there is none.
+  const bool within = course.stage < scheme_.stages();
   Json line{{"event", event},
             {"unix_time_s", unix_time()},
             {"wall_time_s", context_.log.wall_time()},
             {"time_s", course.clock.time()},
-            {"stage", scheme_.stage()},
-            {"stage_number", course.stage + 1},
+            {"stage", within ? scheme_.stage() : ""},
+            {"stage_number", std::min(course.stage + 1, scheme_.stages())},
             {"stages", scheme_.stages()},
             {"window", course.clock.window()},
             {"windows_at_most", course.clock.windows()}};

@@ -88,7 +88,9 @@ void Run::write_summary(Outcome outcome) {
   std::vector<std::string> warnings = deck_warnings_;
   warnings.insert(warnings.end(), course_.warnings.begin(), course_.warnings.end());
   json["warnings"] = warnings;
-  write_summary_file(comm, context_.folder, json.dump(2));
+  // Warnings may name files whose names are no UTF-8.
+  write_summary_file(comm, context_.folder,
+                     json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace trackbed::app

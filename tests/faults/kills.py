@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+"""Killed runs: whatever is killed, and when, the same command continues to the undisturbed result.
+
+    kills.py PROGRAM SOURCE FOLDER [--kills N] [--seed S]
+
+Each trial starts a run with `--or-resume` on 1 to 4 ranks, kills one rank, mpirun or all of them
+with SIGKILL after a random time, and starts it again on another number of ranks, until it has been
+killed five times; then it may finish. Histories and state must be bitwise those of an undisturbed
+run. Checkpoints are written all the time, so that many kills hit one that is being written. The
+exit code is 1 if there are findings, whose folders are kept.
+"""
+import argparse
+import collections
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "restart"))
+from damaged import RUNS, chosen, state_of  # noqa: E402
+from program import Program  # noqa: E402
+from restart import canonical  # noqa: E402
+from results import datasets, same_datasets  # noqa: E402
+
+OFTEN = ("output.checkpoint_wall_interval=0.05",)
+KILLS_OF_A_RUN = 5
+LONGEST = 4.0  # s, from the start of a run to its kill; it takes about 0.5 s to begin
+PATIENCE = 300  # s
+
+
+def ranks_of(process, program):
+    """Processes of the program below mpirun, or the process itself on one rank."""
+    found, waiting = [], [process.pid]
+    while waiting:
+        pid = waiting.pop()
+        try:
+            children = pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+            command = pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")[0].decode()
+        except OSError:
+            continue
+        waiting += map(int, children)
+        if os.path.abspath(command) == program:
+            found.append(pid)
+    return found
+
+
+def kill(process, program, chance):
+    """What was killed."""
+    ranks = ranks_of(process, program)
+    target = chance.choice(("rank", "mpirun", "all"))
+    if not ranks or ranks == [process.pid]:
+        target = "all"
+    victims = {"rank": ranks and [chance.choice(ranks)], "mpirun": [process.pid],
+               "all": [*ranks, process.pid]}[target]
+    for pid in victims:
+        try:
+            os.kill(pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+    process.wait(PATIENCE)
+    # Ranks whose mpirun is killed end by themselves; the lock of the folder is theirs until then.
+    end = time.monotonic() + 30
+    while any(os.path.exists(f"/proc/{pid}") for pid in ranks) and time.monotonic() < end:
+        time.sleep(0.02)
+    return target
+
+
+class Trial:
+    def __init__(self, given, number):
+        self.program, self.chance = Program(given.program), random.Random(f"{given.seed} {number}")
+        source, folder = given.source, given.folder
+        self.name, deck, words, _ = self.chance.choice(chosen(given.runs))
+        self.place, self.whole = folder / f"trial_{number}", folder / "whole" / self.name
+        self.command = ["run", source / deck, *words, *OFTEN, "--or-resume", "-o", self.place]
+        self.killed = collections.Counter()
+
+    def start(self):
+        ranks = self.chance.randint(1, 4)
+        return subprocess.Popen(self.program.command(ranks, *self.command),
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                stdin=subprocess.DEVNULL, start_new_session=True)
+
+    def finding(self):
+        """What is wrong, or nothing."""
+        while sum(self.killed.values()) < KILLS_OF_A_RUN:
+            process = self.start()
+            try:
+                code = process.wait(self.chance.uniform(0, LONGEST))
+            except subprocess.TimeoutExpired:
+                self.killed[kill(process, self.program.path, self.chance)] += 1
+                continue
+            if code:
+                return f"a run ends with {code}"
+            break
+        ran = self.program(self.chance.randint(1, 4), *self.command, timeout=PATIENCE)
+        if ran.returncode:
+            return f"the last run ends with {ran.returncode}: {ran.stderr[-500:]}"
+        if state_of(self.place) != state_of(self.whole):
+            return "the state is another one"
+        first, second = ({name: canonical(name, values) for name, values in datasets(place).items()}
+                         for place in (self.whole, self.place))
+        try:
+            same_datasets(first, second, self.name, nan=True)
+        except SystemExit as error:
+            return str(error)
+        return ""
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("program", type=os.path.abspath)
+    parser.add_argument("source", type=pathlib.Path)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--runs", nargs="+", default=[], choices=[run[0] for run in RUNS])
+    given = parser.parse_args()
+    shutil.rmtree(given.folder, ignore_errors=True)
+    given.folder.mkdir(parents=True)
+    for name, deck, words, _ in chosen(given.runs):
+        Program(given.program).done(1, "run", given.source / deck, *words, "-o",
+                                    given.folder / "whole" / name)
+    killed, runs, findings, number = collections.Counter(), collections.Counter(), 0, 0
+    while sum(killed.values()) < given.kills:
+        trial = Trial(given, number)
+        finding = trial.finding()
+        killed.update(trial.killed)
+        runs[trial.name] += 1
+        number += 1
+        if finding:
+            findings += 1
+            print(f"{trial.place}: {finding}", flush=True)
+        else:
+            shutil.rmtree(trial.place, ignore_errors=True)
+    print("\n| killed | times |\n|---|---|")
+    for what, count in sorted(killed.items()):
+        print(f"| {what} | {count} |")
+    print("\n| run | trials |\n|---|---|")
+    for name, count in sorted(runs.items()):
+        print(f"| {name} | {count} |")
+    print(f"| findings | {findings} |")
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,168 @@
+#!/usr/bin/env python3
+"""Every deck, shortened, stopped and resumed: the end is bitwise that of an undisturbed run.
+
+    restarts.py PROGRAM INPUTS FOLDER [--decks NAME...] [--seed S]
+
+Each stage of each deck under INPUTS is shortened to a few dozen windows, however few stones have
+settled by then. The run is stopped after three random windows and resumed on 1 to 6 ranks. A
+shortened deck may fail (stones that have not settled, for example); then the windows before are
+compared, in a checkpoint at their end. A deck that needs the results of another one is left out,
+as the table at the end states. The exit code is 1 if there are findings.
+"""
+import argparse
+import os
+import pathlib
+import random
+import re
+import shutil
+import sys
+import tomllib
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "restart"))
+from damaged import state_of  # noqa: E402
+from program import Program, summary  # noqa: E402
+from restart import canonical  # noqa: E402
+from results import datasets, same_datasets  # noqa: E402
+
+WINDOWS = 40  # of each stage
+STOPS, MOST_RANKS = 3, 6
+PATIENCE = 900  # s
+
+
+def windows_of(report):
+    """Largest number of windows of each stage, from the report of `check`."""
+    found = {}
+    for line in re.findall(r"largest number of windows: (.*)", report):
+        found |= {name: int(count) for name, count in re.findall(r"([\w-]+) (\d+)", line)}
+    for name, count in re.findall(r"(?m)^  (?:(\S+): )?[\d.e+-]+ s in (\d+) windows", report):
+        found[name] = int(count)  # without a name: of any stage
+    return found
+
+
+def shortened(program, path):
+    """Overrides by which the deck takes few windows; None if it needs other results."""
+    with open(path, "rb") as file:
+        deck = tomllib.load(file)
+    ran = program(1, "check", path)
+    if ran.returncode:
+        return None
+    if deck.get("model", "bed").startswith("track"):
+        steps = int(re.search(r"in (\d+) steps", ran.stdout)[1])
+        length = float(re.search(r"passage: ([\d.e+-]+) s", ran.stdout)[1])
+        return [f"passage.duration={length * min(1, 5 * WINDOWS / steps):.6g}"]
+    count = windows_of(ran.stdout)
+    words = ["output.history_interval=0", "output.checkpoint_interval=0"]
+    if deck.get("model", "bed") != "ground":
+        words.append("dem.largest_overlap=1000")  # stones have no time to settle
+    for number, stage in enumerate(deck["stage"]):
+        key = f"stage.{number}"
+        windows = count.get(stage["name"], count.get("", 0))
+        if windows == 0 or stage["kind"] == "tamp":
+            continue
+        if not stage.get("duration"):  # as long as axles pass
+            words += [f"{key}.cycles=0", f"{key}.duration=2e-3"]
+            continue
+        length = stage["duration"] * min(1.0, WINDOWS / windows)
+        words.append(f"{key}.duration={length:.6g}")
+        if "growth" in stage:
+            words.append(f"{key}.growth=0")  # in a few windows stones would grow too fast
+        if "ramp" in stage:
+            words.append(f"{key}.ramp={length / 4:.6g}")
+        if stage["kind"] in ("load", "shear", "triaxial", "compact") and "ramp" not in stage:
+            words.append(f"{key}.ramp={length / 4:.6g}")
+        if stage.get("cycles", 0) > 4:
+            words.append(f"{key}.cycles=2")
+    return words
+
+
+def total_windows(folder):
+    return summary(folder)["windows"]
+
+
+class Deck:
+    def __init__(self, program, path, folder, chance):
+        self.program, self.path, self.chance = program, path, chance
+        self.place = folder / f"{path.parent.name}_{path.stem}"
+        self.words = shortened(program, path)
+
+    def ran(self, name, *words, resume=False):
+        command = ["resume", self.place / name] if resume else \
+            ["run", self.path, *self.words, "-o", self.place / name]
+        return self.program(self.chance.randint(1, MOST_RANKS), *command, *words, timeout=PATIENCE)
+
+    def outcome(self):
+        """(what was compared, finding or nothing)."""
+        if self.words is None:
+            return "needs other results", ""
+        ran = self.ran("whole")
+        last, limit = 0, []
+        if ran.returncode == 4:
+            last = self.windows_before_failure(ran)
+            if last < 4:
+                return "fails at once: " + ran.stderr.strip()[:150], ""
+            shutil.rmtree(self.place / "whole")
+            ran, limit = self.ran("whole", f"output.stop_after={last}"), [last]
+        if ran.returncode not in (0, 3):
+            return f"code {ran.returncode}", ran.stderr[-300:]
+        last = last or total_windows(self.place / "whole")
+        stops = sorted(self.chance.sample(range(1, last), min(STOPS, last - 1)))
+        for number, stop in enumerate(stops + limit):
+            ran = self.ran("parts", f"output.stop_after={stop}", resume=number > 0)
+            if ran.returncode != 3:
+                return "stopped", f"stop after {stop}: code {ran.returncode}: {ran.stderr[-300:]}"
+        if not limit and (ran := self.ran("parts", "output.stop_after=0", resume=True)).returncode:
+            return "resumed", f"code {ran.returncode}: {ran.stderr[-300:]}"
+        return f"{last} windows" + (", then it fails" if limit else ""), self.difference()
+
+    def windows_before_failure(self, _):
+        """A failed run has no summary: its last line of progress tells its stage."""
+        done = 0
+        for line in (self.place / "whole" / "progress.jsonl").read_text().splitlines():
+            if match := re.search(r'"window":(\d+),"windows_at_most":(\d+)', line):
+                done = max(done, int(match[1]))
+        finished = len(list((self.place / "whole").glob("stage_*.h5")))
+        return max(done - 1, 0) if finished == 0 else finished * WINDOWS // 2
+
+    def difference(self):
+        one, other = self.place / "whole", self.place / "parts"
+        if state_of(one) != state_of(other):
+            return f"state {state_of(one)} and {state_of(other)}"
+        found = ({name: canonical(name, values) for name, values in datasets(place).items()}
+                 for place in (one, other))
+        try:
+            same_datasets(*found, self.path.name, nan=True)
+        except SystemExit as error:
+            return str(error)
+        return ""
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("program", type=os.path.abspath)
+    parser.add_argument("inputs", type=pathlib.Path)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--decks", nargs="+", default=[], help="paths below INPUTS; default: all")
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    shutil.rmtree(given.folder, ignore_errors=True)
+    given.folder.mkdir(parents=True)
+    findings, lines = 0, []
+    for path in [given.inputs / name for name in given.decks] or \
+            sorted(given.inputs.rglob("*.toml")):
+        deck = Deck(Program(given.program), path, given.folder,
+                    random.Random(f"{given.seed} {path.name}"))
+        compared, finding = deck.outcome()
+        findings += bool(finding)
+        name = path.relative_to(given.inputs)
+        print(f"{name}: {compared}{': ' + finding if finding else ''}", flush=True)
+        lines.append(f"| {name} | {compared} | {finding or 'bitwise identical'} |")
+        if not finding:
+            shutil.rmtree(deck.place, ignore_errors=True)
+    print("\n| deck | compared | result |\n|---|---|---|")
+    print("\n".join(lines))
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
