@@ -6,7 +6,7 @@
 Each line of LIST is a run: RANKS DECK DIR [key=value...]; # begins a comment. Files are relative
 to the current folder. The same command continues what was stopped, by SIGTERM, SIGHUP or Ctrl-C or
 because the machine failed, and leaves finished runs alone. A run that fails does not stop the
-others. The exit code is 0 if all are finished, 3 after a stop, otherwise that of the last failure.
+others. The exit code is 0 if all are finished, the largest one of the failures, or 3 after a stop.
 """
 import argparse
 import dataclasses
@@ -73,7 +73,11 @@ def do(program, entry, failed):
         print(f"{entry.folder}: finished, {minutes:.1f} min", flush=True)
         return
     failed.append(ran.returncode)
-    print("\n".join([*launch.messages(ran.stderr), f"{entry.folder} (line {entry.line}): "
+    where = f"{entry.folder} (line {entry.line})"
+    if ran.returncode == launch.STOPPED:
+        print(f"{where}: stopped; the same command continues it", flush=True)
+        return
+    print("\n".join([*launch.messages(ran.stderr), f"{where}: "
                      + launch.describe_end(ran.returncode, ran.stderr)]),
           file=sys.stderr, flush=True)
 
@@ -91,8 +95,9 @@ def main():
                       functools.partial(do, given.program, entry, failed)) for entry in entries],
                     given.cores)
     print(f"{len(entries) - len(failed)} of {len(entries)} runs are finished")
-    code = failed[-1] if failed else 0
-    return code if code >= 0 else 128 - code
+    codes = [code if code >= 0 else 128 - code for code in failed]
+    return max((code for code in codes if code != launch.STOPPED),
+               default=launch.STOPPED if codes else 0)
 
 
 if __name__ == "__main__":

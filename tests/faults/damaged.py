@@ -179,7 +179,11 @@ def main():
     for outcome, count in counts.most_common():
         print(f"| {outcome} | {count} |")
     print(f"| findings | {findings} |")
-    return 1 if findings else 0
+    # Of 1000 cases 62 % continue, since an older checkpoint or the file itself still serves.
+    few = counts["continued"] < 0.3 * given.count
+    if few:
+        print("too few runs continue: is every damage refused?")
+    return 1 if findings or few else 0
 
 
 if __name__ == "__main__":

@@ -207,7 +207,7 @@ def judged(program, case):
         return f"check {code}", f"check prints {rough[0]}"
     if code == 2:
         # Of a text that is no TOML the parser states line and column.
-        named = case.deck.stem in out or "command line" in out or out.startswith("trackbed")
+        named = f"{case.deck.name}" in out or "command line" in out
         return "refused", "" if named else "a refusal that does not name the deck"
     if re.search(r"(?<![\w.-])(nan|inf)(?![\w.])|-\d{15,}", out):
         return "accepted", "check accepts a deck and prints nan, inf or a negative count"
@@ -215,11 +215,11 @@ def judged(program, case):
     code, out = called(run, RUN_PATIENCE)
     if code is None:
         return "accepted, stopped", ""
-    if code not in (0, 3, 4) and not (code == 2 and "is valid" not in out):
-        return f"accepted, run {code}", f"the run ends with {code}"
+    if code not in (0, 3, 4):
+        return f"accepted, run {code}", f"check accepts the deck, but the run ends with {code}"
     if rough := ROUGH.search(out):
         return f"accepted, run {code}", f"the run prints {rough[0]}"
-    return f"accepted, run {code}", "" if code != 2 else "check accepts what run refuses"
+    return f"accepted, run {code}", ""
 
 
 def work(program, case):
@@ -256,7 +256,11 @@ def main():
     for outcome, count in counts.most_common():
         print(f"| {outcome} | {count} |")
     print(f"| findings | {findings} |")
-    return 1 if findings else 0
+    # Of 500 cases 20 % are accepted.
+    few = counts["refused"] > 0.95 * given.count or counts["refused"] < 0.3 * given.count
+    if few:
+        print("nearly all decks are refused, or accepted: are they still mutated decks?")
+    return 1 if findings or few else 0
 
 
 if __name__ == "__main__":

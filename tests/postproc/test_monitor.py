@@ -143,6 +143,9 @@ def test_settlement_is_found_if_the_noise_is_known():
         assert abs(found.settlement[0] / (0.15 * DEEP) - 1) < 0.25
         assert found.settlement[1] < 0.25 * 0.15 * DEEP
         assert worst(found, settled) < 0.05
+        reversed_sensor = displacement.reconstruct(-signal, RATE, 50.0, noise=size)
+        assert reversed_sensor.reversed and worst(reversed_sensor, settled) < 0.05
+        assert abs(reversed_sensor.settlement[0] - found.settlement[0]) < 1e-9
         still = displacement.reconstruct(noisy(one, 1e-3, seed), RATE, 50.0, noise=size)
         assert still.settlement == (0.0, 0.0)
 

@@ -72,6 +72,26 @@ def check_again(program, deck, folder):
     expect(events(place)[0] == "begin", "the progress of the killed run must be removed", ran)
 
 
+def check_others(program, deck, folder):
+    """A folder with another run or without `latest` loses nothing."""
+    place = folder / "other"
+    program.done(1, "run", deck, "output.stop_after=300", "-o", place, code=3)
+    (place / "latest").unlink()
+    kept = sorted(path.name for path in place.glob("*.h5"))
+    ran = program(1, "run", deck, "--or-resume", "dem.safety=0.15", "-o", place)
+    expect(ran.returncode == 2 and "dem.safety = 0.15" in ran.stderr, "another run", ran)
+    expect(sorted(path.name for path in place.glob("*.h5")) == kept, "nothing is removed", ran)
+    ran = program.done(1, "run", deck, "--or-resume", "output.stop_after=400", "-o", place, code=3)
+    expect("continues at" in ran.stdout, "a checkpoint without an entry is continued", ran)
+    for path in place.glob("*_*.h5"):
+        path.unlink()
+    ran = program(1, "run", deck, "--or-resume", "dem.safety=0.15", "-o", place)
+    expect(ran.returncode == 2 and "dem.safety = 0.15" in ran.stderr, "results of another run", ran)
+    (place / "results.h5").write_bytes(b"damaged")
+    ran = program(1, "run", deck, "--or-resume", "-o", place)
+    expect(ran.returncode == 2 and "results.h5" in ran.stderr, "results that are damaged", ran)
+
+
 def check_track(program, deck, folder):
     """A track has no checkpoint when it is finished."""
     place = folder / "track"
@@ -82,6 +102,16 @@ def check_track(program, deck, folder):
     expect("the run is already finished" in ran.stdout, "a finished track must be left alone", ran)
     ran = program(1, *command, "train.speed=30")
     expect(ran.returncode == 2 and "train.speed = 30" in ran.stderr, "another track", ran)
+    ran = program(1, *command, "passage.duration=0.2")
+    expect(ran.returncode == 2 and "passage.duration=0.2" in ran.stderr, "no checkpoint", ran)
+    often = ["output.checkpoint_interval=0.05", "--or-resume", "-o", folder / "longer"]
+    program.done(1, "run", deck, "passage.duration=0.1", *often)
+    ran = program.done(1, "run", deck, "passage.duration=0.2", *often)
+    expect(abs(summary(folder / "longer")["simulated_time_s"] - 0.2) < 1e-3, "a longer one", ran)
+    (folder / "longer" / "progress.jsonl").write_text(
+        '{"event":"begin","unix_time_s":1e300,"ranks":"x"}\n{"event":"end","outcome":1}\n',
+        encoding="utf-8")
+    program.done(1, "info", folder / "longer")
 
 
 def check_while_computing(program, deck, folder):
@@ -119,8 +149,11 @@ def check_end_of_job(program, deck, folder):
             os.environ[name] = str(int(time.time()) + left)
             ran = program.done(1, "run", deck, "--force", "-o", folder / "job", code=code)
             expect((folder / "job" / "latest").is_file(), "a checkpoint is needed", ran)
-        os.environ[name] = "tomorrow"
-        program.done(1, "run", deck, "output.stop_after=5", "--force", "-o", folder / "job", code=3)
+        # A time that is none, or is over: refused if it is our own variable, otherwise no limit.
+        for wrong in ("tomorrow", "1000"):
+            os.environ[name] = wrong
+            ran = program(1, "run", deck, "output.stop_after=5", "--force", "-o", folder / "job")
+            expect(ran.returncode == (2 if name.startswith("TRACKBED") else 3), wrong, ran)
         del os.environ[name]
 
 
@@ -150,7 +183,8 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     deck = pathlib.Path(sys.argv[2]).resolve() / "tests" / "restart" / "tiny.toml"
-    run_checks([check_again, check_track, check_end_of_job, check_while_computing, check_list],
+    run_checks([check_again, check_track, check_others, check_while_computing, check_end_of_job,
+                check_list],
                program, deck, folder)
 
 

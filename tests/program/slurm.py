@@ -19,6 +19,8 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+import results  # noqa: E402, F401  # finds trackbed_post
+from trackbed_post import read  # noqa: E402
 
 CONFIGURATION = """ClusterName=trackbed
 SlurmctldHost={host}
@@ -178,14 +180,20 @@ def check_node_failure(queue, deck, whole):
 
 def check_bad_input(queue, *_):
     """Code 2 of the program is that of the job, which does not come back."""
-    job = queue.submitted("none.toml", queue.folder / "none")
-    queue.ended(job)
-    if "none.toml" not in queue.log(job):
-        raise SystemExit(f"bad input: {queue.log(job)}")
-    job = queue.submitted("--table", "none.csv", "a", "b", options=("--array=1-1",))
-    queue.ended(job)
-    if "none.csv" not in queue.log(job):
-        raise SystemExit(f"no table: {queue.log(job)}")
+    bad = queue.folder / "bad.csv"
+    bad.write_text("train.speed,rail.section\n50\n", encoding="utf-8")
+    array = ("--array=1-1",)
+    for words, options, sentence in (
+            (("none.toml", queue.folder / "none"), (), "none.toml: does not exist"),
+            (("--table", "none.csv", "a", "b"), array, "none.csv: No such file"),
+            (("--table", bad, "a", "b"), array, "row 1 has 1 values, but 2 names"),
+            (("--table", bad, "a", "b"), (), "give the rows with sbatch --array")):
+        job = queue.submitted(*words, options=options)
+        queue.ended(job)
+        ended = called("scontrol", "show", "job", job)
+        if sentence not in queue.log(job) or "ExitCode=2:0" not in ended \
+                or "Restarts=0" not in ended:
+            raise SystemExit(f"bad input {words}: {queue.log(job)}\n{ended}")
 
 
 def check_array(queue, *_):
@@ -195,9 +203,11 @@ def check_array(queue, *_):
     job = queue.submitted("--table", table, queue.source / "inputs" / "track" / "plain.toml", place,
                           "passage.duration=0.1", ranks=1, options=("--array=1-2",))
     queue.ended(job)
-    for row, section in (("1", "60E1"), ("2", "54E1")):
+    for row, speed, section in (("1", 50, "60E1"), ("2", 60, "54E1")):
         stated = called(queue.program.path, "info", place / row)
-        if not summary(place / row)["finished"] or ", finished at" not in stated:
+        deck = read.origin(place / row)[1]
+        if not summary(place / row)["finished"] or ", finished at" not in stated \
+                or (deck["train"]["speed"], deck["rail"]["section"]) != (speed, section):
             raise SystemExit(f"row {row} with {section}: {queue.log(job)}")
 
 

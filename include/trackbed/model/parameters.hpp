@@ -80,7 +80,7 @@ struct Stage {
 // with the same history_interval.
 struct RunOutput {
   double history_interval = 5e-4;    // s of simulated time between history rows; 0: every window
-  double checkpoint_interval = 0.1;  // s of simulated time; 0: only at the end of stages
+  double checkpoint_interval = 0.1;  // s of simulated time; 0: none
   double checkpoint_wall_interval = 1800;  // s of wall time; 0: none
   double wall_time = 0;                    // s of wall time after which the run stops; 0: none
   std::int64_t stop_after = 0;             // windows after which the run stops; 0: none

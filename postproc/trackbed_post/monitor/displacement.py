@@ -83,17 +83,25 @@ def reconstruct(acceleration, rate, speed, method="smoothing", doubtful=None, no
     if noise is None:
         noise = noise_of(acceleration, rate, speed, at_rest)
     high_pass, deviation, misfit = 0.0, np.full(len(acceleration), np.nan), np.nan
-    settlement = 0.0, 0.0
+    settlement, sign = (0.0, 0.0), 1
     if method == "high_pass":
         displacement, high_pass = by_high_pass(acceleration, rate, speed, at_rest)
+        sign = -1 if is_upside_down(displacement) else 1
+        displacement = sign * displacement
     else:
         smoothing = Smoothing(acceleration, rate, cells, noise)
+        if is_upside_down(smoothing.displacement(smoothing.still)):
+            sign, smoothing = -1, Smoothing(-acceleration, rate, cells, noise)
         solution = smoothing.best()
         displacement, deviation = smoothing.displacement(solution), smoothing.deviation(solution)
         misfit, settlement = solution.misfit, solution.settlement
-    upside_down = bool(displacement.max() > 2 * -displacement.min())
-    return Reconstruction(-displacement if upside_down else displacement, deviation, at_rest,
-                          high_pass, noise, misfit, settlement, upside_down)
+    return Reconstruction(displacement, deviation, at_rest, high_pass, noise, misfit, settlement,
+                          sign < 0)
+
+
+def is_upside_down(displacement):
+    """Of a sensor, by the displacement from its signal."""
+    return bool(displacement.max() > 2 * -displacement.min())
 
 
 def refuse_useless(acceleration, rate, speed, method):
@@ -228,16 +236,17 @@ class Smoothing:
         of_mean = np.hypot(noise / np.sqrt(cells.samples), cells.doubtful * cells.largest)
         self.of_mean = np.maximum(of_mean, 1e-4 * np.sqrt(cells.loudness.max()))[1:-1]
         self.settles = SETTLES * np.sqrt(cells.loudness.max()) * deflection  # m
+        self.still = self.solve(0)
 
     def solve(self, steps):
         """A Solution. `steps`: number of settlements, 0 or one for each time that the sleeper
         comes to rest."""
-        n, cells, rest = self.cells.count, self.cells, self.rest
+        n, cells, rest, parts = self.cells.count, self.cells, self.rest, self.parts()
         drift, offset = np.zeros((n, n + OFFSET + 1 + steps)), slice(n, n + OFFSET + 1)
         drift[:, :n] = np.eye(n)
         at_rest = drift[rest]
         for step in range(steps):
-            at_rest[self.parts > step, offset.stop + step] = -1
+            at_rest[parts > step, offset.stop + step] = -1
         bent = np.diff(drift, 2, axis=0) / cells.step**2
         bent[:, offset] += self.powers[1:-1]
         settled = np.eye(steps, drift.shape[1], offset.stop)
@@ -247,14 +256,13 @@ class Smoothing:
         right[:len(rest)] = -cells.mean(self.whole)[rest] / self.unsure[rest]
         return Solution(system, right, n, steps)
 
-    @property
     def parts(self):
         """Of each cell at rest: how often the sleeper has moved before."""
         return np.cumsum(np.r_[0, np.diff(self.rest) > 1])
 
     def best(self):
         """Without settlement, unless one explains the signal better than chance."""
-        still, steps = self.solve(0), int(self.parts.max())
+        still, steps = self.still, int(self.parts().max())
         if steps == 0:
             return still
         moved = self.solve(steps)

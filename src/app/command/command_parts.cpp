@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/restart/continuation.hpp"
 #include "app/restart/track_resume.hpp"
 #include "app/run/result_folder.hpp"
 #include "trackbed/core/error.hpp"
@@ -60,9 +61,18 @@ bool is_there(const par::Comm& comm, const std::string& path) {
   return !comm.broadcast(there ? "there" : "").empty();
 }
 
-bool has_begun(const par::Comm& comm, const std::string& folder) {
+bool is_finished_in(const par::Comm& comm, const std::string& folder) {
   const bool finished = comm.root() && is_finished(folder);
-  return is_there(comm, folder + "/latest") || !comm.broadcast(finished ? "finished" : "").empty();
+  return !comm.broadcast(finished ? "finished" : "").empty();
+}
+
+// A run may have been killed between its first checkpoint and the entry in `latest`. Waits for a
+// run that still writes there, such as the ranks of a job that a queue has started again.
+bool has_begun(const par::Comm& comm, const std::string& folder) {
+  if (!is_there(comm, folder)) return false;
+  constexpr double patience = 60;  // s
+  const FolderLock lock(comm, folder, patience);
+  return has_checkpoint(comm, folder) || is_finished_in(comm, folder);
 }
 
 int finish(Run& run, const model::RunContext& context) {

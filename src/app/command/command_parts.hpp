@@ -45,7 +45,10 @@ void look_at_profiles(const model::Model& model, Warnings& warnings);
 
 // Whether a path exists, by the file system of rank 0. Collective.
 bool is_there(const par::Comm& comm, const std::string& path);
-// Whether a run in `folder` can be continued or is finished. Collective.
+// Whether the summary in `folder` is that of a finished run. Collective.
+bool is_finished_in(const par::Comm& comm, const std::string& folder);
+// Whether a run in `folder` can be continued or is finished. Throws InputError if a run does not
+// end that writes there. Collective.
 bool has_begun(const par::Comm& comm, const std::string& folder);
 
 // Runs and returns the exit code, from which a script decides whether to run `resume`; a log line

@@ -24,6 +24,7 @@
 #include "trackbed/fem/petsc.hpp"
 #include "trackbed/io/checkpoint.hpp"
 #include "trackbed/io/replace.hpp"
+#include "trackbed/model/batch_job.hpp"
 #include "trackbed/model/checks.hpp"
 #include "trackbed/model/effective.hpp"
 #include "trackbed/observe/results.hpp"
@@ -56,24 +57,47 @@ void look_at_cell(const model::Model& model, const input::Deck& deck, Warnings& 
       changed_springs(io::open_checkpoint(comm, cell), cell, model::effective_deck(model), deck));
 }
 
-// A finished run of a track may have no checkpoint.
-int continue_run(const par::Comm& comm, const std::string& folder,
-                 const std::vector<std::string>& overrides) {
-  const bool finished = comm.root() && is_finished(folder);
-  if (!comm.broadcast(finished ? "finished" : "").empty()) {
-    print(comm, folder + ": the run is already finished\n");
-    return static_cast<int>(ExitCode::success);
-  }
+// Of a finished run only the passage of a track can become longer.
+int continue_run(const par::Comm& comm, const std::string& folder, const model::Model& model,
+                 const input::Deck& deck) {
   Arguments arguments;
   arguments.file = folder;
-  arguments.overrides = overrides;
+  arguments.overrides = overrides_of_same_run(comm, folder, model);
+  const auto lengthens = [](const std::string& word) {
+    return word.starts_with("passage.duration=");
+  };
+  if (is_finished_in(comm, folder)) {
+    std::erase_if(arguments.overrides, [&](const auto& word) { return !lengthens(word); });
+    if (arguments.overrides.empty()) {
+      print(comm, folder + ": the run is already finished\n");
+      return static_cast<int>(ExitCode::success);
+    }
+  } else if (const std::string key = "output.stop_after";
+             model.output.stop_after > 0 && deck.where(key).starts_with("command line")) {
+    std::erase_if(arguments.overrides,
+                  [&](const auto& word) { return word.starts_with(key + "="); });
+    arguments.overrides.push_back(fmt::format("{}={}", key, model.output.stop_after));
+  }
   return resume(comm, arguments);
+}
+
+void require_readable(const par::Comm& comm, const std::string& path) {
+  std::string problem;
+  if (comm.root()) {
+    std::error_code error;
+    if (!fs::exists(path, error))
+      problem = error ? fmt::format("{}: cannot be read ({})", path, error.message())
+                      : path + ": does not exist";
+  }
+  problem = comm.broadcast(problem);
+  if (!problem.empty()) throw InputError({problem});
 }
 
 }  // namespace
 
 // Without -o the folder has the name of the deck file.
 int run(const par::Comm& comm, const Arguments& arguments) {
+  model::require_time_of_job();
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   Warnings warnings{comm}, origin{comm};
   const model::Model model = read_model(deck, warnings);
@@ -81,7 +105,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
                                  ? "results/" + fs::path(arguments.deck).stem().string()
                                  : arguments.folder;
   if (arguments.or_resume && has_begun(comm, folder))
-    return continue_run(comm, folder, overrides_of_same_run(comm, folder, model));
+    return continue_run(comm, folder, model, deck);
   if (!model.has_stages()) require_files(model.track);
   const std::string start = checked_start(model, deck, origin);
   checked_ground(model, deck, warnings);
@@ -92,6 +116,11 @@ int run(const par::Comm& comm, const Arguments& arguments) {
     warnings.add(model::warnings_of(model, model::require_stones(comm, model, deck)));
   look_at_cell(model, deck, origin);
   look_at_profiles(model, warnings);
+  // Another job may have begun it in the meantime.
+  if (arguments.or_resume) {
+    if (has_begun(comm, folder)) return continue_run(comm, folder, model, deck);
+    require_of_same_run(comm, folder, model);
+  }
   // After all checks and before the model is built: a refused run removes nothing, and a folder
   // that cannot be made is reported at once.
   const FolderLock lock = prepare_folder(
@@ -190,9 +219,10 @@ int kernel(const par::Comm& comm, const Arguments& arguments) {
 // Opening a checkpoint verifies its seal and all checksums, so an answer also means that the file
 // is undamaged. Of results only attributes are read.
 int info(const par::Comm& comm, const Arguments& arguments) {
-  if (!fs::exists(arguments.file)) throw InputError({arguments.file + ": does not exist"});
-  if (fs::is_directory(arguments.file)) {
-    const std::string words = comm.broadcast(comm.root() ? case_in_words(arguments.file) : "");
+  require_readable(comm, arguments.file);
+  std::error_code ignored;
+  if (fs::is_directory(arguments.file, ignored)) {
+    const std::string words = comm.broadcast(comm.root() ? describe_progress(arguments.file) : "");
     print(comm, words);
     // A run that has written no checkpoint yet.
     if (!words.empty() && !is_there(comm, arguments.file + "/latest"))

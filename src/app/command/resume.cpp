@@ -15,6 +15,7 @@
 #include "app/restart/track_resume.hpp"
 #include "app/run/result_folder.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/model/batch_job.hpp"
 #include "trackbed/model/checks.hpp"
 #include "trackbed/model/effective.hpp"
 #include "trackbed/observe/results.hpp"
@@ -167,8 +168,8 @@ StoredDeck stored_in(const par::Comm& comm, const std::string& checkpoint) {
   return {file.text_attribute("/", "deck"), file.text_attribute("/", "deck_name")};
 }
 
-// The run had reached its limit of windows, or not, before the checkpoint that is passed over:
-// unless a new limit is given, it is not to stop there once more.
+// If a newer checkpoint is damaged, the run may have reached its limit of windows before: it does
+// not stop there again, unless this command gives a limit.
 std::vector<std::string> without_stop(std::vector<std::string> overrides) {
   const std::string key = "output.stop_after=";
   if (std::none_of(overrides.begin(), overrides.end(),
@@ -183,6 +184,7 @@ std::vector<std::string> without_stop(std::vector<std::string> overrides) {
 // newest checkpoint is passed over with a warning, and the one before is used. A start from a
 // checkpoint refuses a damaged one instead, since there the user chose a definite state.
 int resume(const par::Comm& comm, const Arguments& arguments) {
+  model::require_time_of_job();
   require_track_checkpoint(comm, arguments.file);
   const Place place = place_of(comm, arguments);
   std::optional<FolderLock> lock = lock_of(comm, place);

@@ -51,8 +51,8 @@ void require_track_checkpoint(const par::Comm& comm, const std::string& path) {
     throw InputError(
         {found +
          ": contains a run of a track (alone or on a ground) without a checkpoint; such a run "
-         "writes checkpoints only when it is stopped, or every "
-         "output.checkpoint_interval: run the deck again"});
+         "writes checkpoints only when it is stopped, or every output.checkpoint_interval or "
+         "output.checkpoint_wall_interval: run the deck again"});
 }
 
 // A finished run may be made longer; the part after the checkpoint is then computed again.

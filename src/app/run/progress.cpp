@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <fstream>
 
+#include "trackbed/core/unix_time.hpp"
 #include "trackbed/model/effective.hpp"
 
 namespace trackbed::app {
@@ -14,10 +14,6 @@ namespace trackbed::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double unix_time() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 std::string host() {
   std::array<char, 256> name{};
@@ -47,7 +43,8 @@ void Progress::note(const char* event, const Json& more) {
             {"stage_number", std::min(course.stage + 1, scheme_.stages())},
             {"stages", scheme_.stages()},
             {"window", course.clock.window()},
-            {"windows_at_most", course.clock.windows()}};
+            {"windows_at_most", course.clock.windows()},
+            {"windows_of_run", course.windows}};
   line.update(more);
   // In one piece, so that a reader never sees half a line of a run that goes on.
   std::ofstream(context_.folder + "/" + progress_file, std::ios::app)

@@ -28,8 +28,8 @@ class Progress {
   const model::Scheme& scheme_;
 };
 
-// What progress.jsonl and summary.json in `folder` tell about the run, as lines of text; empty if
-// it has none. Reads files; on rank 0.
-std::string case_in_words(const std::string& folder);
+// State of the run in `folder` by its lock, progress.jsonl and summary.json, as lines of text;
+// empty if it has no progress.jsonl. Reads files; on rank 0.
+std::string describe_progress(const std::string& folder);
 
 }  // namespace trackbed::app

@@ -12,15 +12,19 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "app/restart/track_resume.hpp"
 #include "app/run/progress.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/core/unix_time.hpp"
 #include "trackbed/observe/output_parts.hpp"
 
 namespace trackbed::app {
@@ -120,6 +124,16 @@ std::string removed(const std::vector<fs::path>& files) {
   return "";
 }
 
+// False only if another run holds the lock: without a lock of its file system a run goes on.
+bool locked_within(int descriptor, double patience) {
+  const double end = unix_time() + patience;
+  while (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    if (unix_time() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return true;
+}
+
 }  // namespace
 
 // An InputError and not a RunError: the remedy is another -o.
@@ -141,14 +155,15 @@ bool same_folder(const par::Comm& comm, const std::string& one, const std::strin
 }
 
 // `flock` is released with the open file: a remaining lock file never blocks a later run.
-FolderLock::FolderLock(const par::Comm& comm, const std::string& folder) {
+// `info` takes the lock for a moment, too.
+FolderLock::FolderLock(const par::Comm& comm, const std::string& folder, double patience) {
   std::string problem;
   if (comm.root()) {
     descriptor_ = ::open((folder + "/.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0)
       problem = fmt::format("{}: the folder is not writable ({}); choose another folder (-o DIR)",
                             folder, std::strerror(errno));
-    else if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    else if (!locked_within(descriptor_, patience))
       problem = fmt::format(
           "{}: another run is writing into this folder; wait until that run ends, stop that run, "
           "or choose another folder (-o DIR)",
@@ -212,6 +227,17 @@ void write_summary_file(const par::Comm& comm, const std::string& folder, const 
                             errno != 0 ? std::strerror(errno) : "no reason given");
   }
   comm.agree(problem);
+}
+
+void mark_unfinished(const par::Comm& comm, const std::string& folder) {
+  std::string text;
+  if (comm.root() && is_finished(folder)) {
+    auto summary =
+        nlohmann::ordered_json::parse(std::ifstream(folder + "/summary.json"), nullptr, false);
+    summary["finished"] = false;
+    text = summary.dump(2);
+  }
+  if (!comm.broadcast(text).empty()) write_summary_file(comm, folder, text);
 }
 
 std::string resume_command(const std::string& checkpoint, const std::string& folder) {

@@ -24,7 +24,8 @@ bool same_folder(const par::Comm& comm, const std::string& one, const std::strin
 // Throws InputError on all ranks if another run holds it. Collective: rank 0 holds it.
 class FolderLock {
  public:
-  FolderLock(const par::Comm& comm, const std::string& folder);
+  // `patience`: s, how long it waits for another run to end.
+  FolderLock(const par::Comm& comm, const std::string& folder, double patience = 1);
   ~FolderLock();
   FolderLock(FolderLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
   FolderLock& operator=(FolderLock&&) = delete;
@@ -53,6 +54,10 @@ std::string resume_command(const std::string& checkpoint, const std::string& fol
 // empty: no checkpoint, no start from one.
 std::string what_is_left(const std::string& last_checkpoint, const std::string& started_from,
                          const std::string& folder);
+
+// The summary of a finished run that goes on (a longer passage) states so until it ends again.
+// Collective; throws RunError.
+void mark_unfinished(const par::Comm& comm, const std::string& folder);
 
 // Writes the text of summary.json. Collective; throws RunError.
 void write_summary_file(const par::Comm& comm, const std::string& folder, const std::string& text);

@@ -57,9 +57,10 @@ Outcome Run::execute() {
 // the checkpoint comes last, so that a resumed run repeats none of them.
 Outcome Run::run_stages() {
   model::catch_interrupts();
+  progress_.begin(last_checkpoint_.empty() ? started_from_ : last_checkpoint_);
+  mark_unfinished(context_.comm, context_.folder);
   scheme_.start();
   context_.log.mark(course_.clock.time());
-  progress_.begin(last_checkpoint_.empty() ? started_from_ : last_checkpoint_);
   agreed_ = course_.windows, agreed_at_ = context_.log.wall_time();
   while (course_.stage < scheme_.stages()) {
     if (!course_.begun && !begin_stage()) return stop();
@@ -67,9 +68,10 @@ Outcome Run::run_stages() {
       scheme_.advance();
       const Verdict verdict = agree();
       scheme_.record();
-      if (verdict == Verdict::report) report();
+      if (verdict == Verdict::report || verdict == Verdict::report_and_save) report();
       if (verdict == Verdict::stop) return stop_with_checkpoint();
-      if (verdict == Verdict::save || context_.ends(context_.model.output.checkpoint_interval))
+      if (verdict == Verdict::save || verdict == Verdict::report_and_save ||
+          context_.ends(context_.model.output.checkpoint_interval))
         periodic_checkpoint();
     }
     end_stage();
@@ -148,7 +150,8 @@ Run::Verdict Run::agree() {
   // Ordered by priority, so that the maximum over ranks decides: errors before all others.
   Verdict mine = Verdict::go_on;
   if (context_.comm.root() && context_.log.due()) mine = Verdict::report;
-  if (context_.comm.root() && is_long_without_checkpoint()) mine = Verdict::save;
+  if (context_.comm.root() && is_long_without_checkpoint())
+    mine = mine == Verdict::report ? Verdict::report_and_save : Verdict::save;
   if (context_.is_to_stop() || is_at_given_stop()) mine = Verdict::stop;
   if (!problem.empty()) mine = Verdict::trouble;
   const auto verdict = static_cast<Verdict>(context_.comm.max(static_cast<std::int64_t>(mine)));

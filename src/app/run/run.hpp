@@ -36,7 +36,7 @@ class Run {
 
  private:
   // In rising priority: the maximum over all ranks decides.
-  enum class Verdict : std::int64_t { go_on, report, save, stop, trouble };
+  enum class Verdict : std::int64_t { go_on, report, save, report_and_save, stop, trouble };
 
   Outcome run_stages();
   bool begin_stage();

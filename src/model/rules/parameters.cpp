@@ -203,10 +203,11 @@ void RunOutput::declare(input::Section& s) {
            "window. For the models track and track_on_ground, whose windows are time steps, the "
            "default is 1e-3 s.");
   const auto free = s.free_to_change();
-  s.number("checkpoint_interval", checkpoint_interval, {.unit = "s", .at_least = 0},
-           "Simulated time between checkpoints within a stage, rounded to windows; 0: only at the "
-           "end of the stage. For the models track and track_on_ground the default is 0: none, "
-           "except when a run is stopped.");
+  s.number(
+      "checkpoint_interval", checkpoint_interval, {.unit = "s", .at_least = 0},
+      "Simulated time between checkpoints within a stage, rounded to windows; 0: none within the "
+      "stage but those of checkpoint_wall_interval and of a stop. For the models track and "
+      "track_on_ground the default is 0.");
   s.number("checkpoint_wall_interval", checkpoint_wall_interval, {.unit = "s", .at_least = 0},
            "Wall time after the last checkpoint at which another one is written; 0: none.");
   s.number("wall_time", wall_time, {.unit = "s", .at_least = 0},

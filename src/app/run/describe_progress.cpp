@@ -5,11 +5,13 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <chrono>
+#include <cerrno>
+#include <cmath>
 #include <fstream>
 
 #include "app/restart/track_resume.hpp"
 #include "app/run/progress.hpp"
+#include "trackbed/core/unix_time.hpp"
 #include "trackbed/model/log.hpp"
 
 namespace trackbed::app {
@@ -18,31 +20,34 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What is known of a run: the last line of each kind since its last command began.
-struct Known {
-  Json begin, last, progress, checkpoint, end;
+// The last line of each kind; of progress and end since the last command began.
+struct LastEvents {
+  Json begin, progress, checkpoint, end, any;
 };
 
 // Lines that are not JSON, of a run that was killed while it wrote, are passed over.
-Known known_of(const std::string& folder) {
-  Known known;
+LastEvents last_events_in(const std::string& folder) {
+  LastEvents last;
   std::ifstream file(folder + "/" + progress_file);
   for (std::string text; std::getline(file, text);) {
     const Json line = Json::parse(text, nullptr, false);
     if (!line.is_object() || !line.contains("event") || !line["event"].is_string()) continue;
     const std::string event = line["event"];
-    if (event == "begin") known.progress = known.end = Json(), known.begin = line;
-    if (event == "progress") known.progress = line;
-    if (event == "checkpoint") known.checkpoint = line;
-    if (event == "end") known.end = line;
-    known.last = line;
+    if (event == "begin") last.progress = last.end = Json(), last.begin = line;
+    if (event == "progress") last.progress = line;
+    if (event == "checkpoint") last.checkpoint = line;
+    if (event == "end") last.end = line;
+    last.any = line;
   }
-  return known;
+  return last;
 }
 
+// 0 for what no run writes: the file may be damaged.
 double number(const Json& line, const char* key) {
+  constexpr double most = 1e12;
   const auto found = line.find(key);
-  return found != line.end() && found->is_number() ? found->get<double>() : 0;
+  const double value = found != line.end() && found->is_number() ? found->get<double>() : 0;
+  return std::abs(value) < most ? value : 0;
 }
 
 std::string text(const Json& line, const char* key) {
@@ -50,12 +55,11 @@ std::string text(const Json& line, const char* key) {
   return found != line.end() && found->is_string() ? found->get<std::string>() : "?";
 }
 
-// A run that computes holds the lock. Only tested if no end is known: the test takes the lock for
-// a moment, and a run that begins in it would be refused.
+// A run that computes holds the lock. The test takes it for a moment; a run that begins waits.
 bool is_locked(const std::string& folder) {
   const int lock = ::open((folder + "/.lock").c_str(), O_RDONLY | O_CLOEXEC);
   if (lock < 0) return false;
-  const bool held = ::flock(lock, LOCK_SH | LOCK_NB) != 0;
+  const bool held = ::flock(lock, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   ::close(lock);
   return held;
 }
@@ -65,21 +69,21 @@ std::string date(double unix_time) {
 }
 
 double seconds_since(const Json& line) {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch())
-             .count() -
-         number(line, "unix_time_s");
+  return std::max(unix_time() - number(line, "unix_time_s"), 0.0);
 }
 
-std::string state_of(const Known& known, bool computes) {
-  if (!known.end.is_null()) {
-    const std::string outcome = text(known.end, "outcome"),
-                      at = date(number(known.end, "unix_time_s"));
-    if (outcome == "failed") return fmt::format("failed at {}: {}", at, text(known.end, "message"));
+std::string state_of(const LastEvents& last, bool computes) {
+  if (computes)
+    return fmt::format("computing since {}",
+                       date(number((last.end.is_null() ? last.begin : last.end), "unix_time_s")));
+  if (!last.end.is_null()) {
+    const std::string outcome = text(last.end, "outcome"),
+                      at = date(number(last.end, "unix_time_s"));
+    if (outcome == "failed") return fmt::format("failed at {}: {}", at, text(last.end, "message"));
     return fmt::format("{} at {}", outcome, at);
   }
-  if (computes) return fmt::format("computing since {}", date(number(known.begin, "unix_time_s")));
   return fmt::format("was killed after {}; trackbed resume continues it",
-                     date(number(known.last, "unix_time_s")));
+                     date(number(last.any, "unix_time_s")));
 }
 
 std::string place_of(const Json& line) {
@@ -117,35 +121,35 @@ std::string warnings_of(const std::string& folder) {
 
 }  // namespace
 
-std::string case_in_words(const std::string& folder) {
-  const Known known = known_of(folder);
-  if (known.begin.is_null()) return "";
-  const bool computes = known.end.is_null() && is_locked(folder);
+std::string describe_progress(const std::string& folder) {
+  const LastEvents last = last_events_in(folder);
+  if (last.begin.is_null()) return "";
+  const bool computes = is_locked(folder);
   std::string words =
-      fmt::format("{}: {} on {} rank{} of {}, {}\n", folder, text(known.begin, "deck"),
-                  number(known.begin, "ranks"), number(known.begin, "ranks") == 1 ? "" : "s",
-                  text(known.begin, "host"), state_of(known, computes));
-  words += place_of(known.last);
-  if (!known.progress.is_null()) {
+      fmt::format("{}: {} on {} rank{} of {}, {}\n", folder, text(last.begin, "deck"),
+                  number(last.begin, "ranks"), number(last.begin, "ranks") == 1 ? "" : "s",
+                  text(last.begin, "host"), state_of(last, computes));
+  words += place_of(last.any);
+  if (!last.progress.is_null()) {
     if (computes)
       words += fmt::format(
           "  {:.3g} ms simulated per s of wall time, remaining {} (h:mm:ss) if all stages take "
           "their full duration\n",
-          1e3 * number(known.progress, "speed"),
-          model::clock_words(number(known.progress, "remaining_s")));
-    words += figures_of(known.progress);
+          1e3 * number(last.progress, "speed"),
+          model::clock_words(number(last.progress, "remaining_s")));
+    words += figures_of(last.progress);
   }
-  if (!known.checkpoint.is_null())
+  if (!last.checkpoint.is_null())
     words += fmt::format("  last checkpoint: {}, at {:.6g} s, written {} (h:mm:ss) ago\n",
-                         text(known.checkpoint, "file"), number(known.checkpoint, "time_s"),
-                         model::clock_words(seconds_since(known.checkpoint)));
+                         text(last.checkpoint, "file"), number(last.checkpoint, "time_s"),
+                         model::clock_words(seconds_since(last.checkpoint)));
   // Lines come every few seconds; the static equilibrium of a ground and large files take longer.
   constexpr double silent = 120;  // s
-  if (const double since = seconds_since(known.last); computes && since > silent)
+  if (const double since = seconds_since(last.any); computes && since > silent)
     words += fmt::format(
-        "  no sign of life for {} (h:mm:ss): the static equilibrium of a ground may take as long, "
-        "otherwise look whether its machine still works\n",
-        model::clock_words(since));
+        "  no event for {} (h:mm:ss): check that the process on {} still runs (the static "
+        "equilibrium of a ground may take as long)\n",
+        model::clock_words(since), text(last.begin, "host"));
   return words + warnings_of(folder);
 }
 
