@@ -94,7 +94,7 @@ def measure(folder, program, numbers, lines):
         found, moved = ballast.calibrate(acceleration, RATE, track, (*FREE, "void"), noise=size)
         numbers.put(run, "void", 1e3 * found.value["void"], "mm")
         numbers.put(run, "reduction of the sum of squares", found.gain, "-")
-        thin = slice(0, None, 10)
+        thin = slice(0, None, 20)
         when = np.arange(len(record.displacement))[thin] / RATE
         lines.put("stones", f"{case}, true, mm", when, 1e3 * record.displacement[thin])
         lines.put("stones", f"{case}, reconstructed, mm", when, 1e3 * moved.displacement[thin])
