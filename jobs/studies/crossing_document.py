@@ -51,12 +51,12 @@ def summary_of_stones(n):
     runs = [run for run in map(stones.name_of, stones.CASES) if n.has(run)]
     if not runs:
         return ""
-    worst = {quantity: max(n(run, f"error of {quantity}, noise 0.1 %, worst") for run in runs)
-             for quantity in ("displacement", "largest force")}
+    moved, force = (max(n(run, f"error of {quantity}, noise 0.1 %, worst") for run in runs)
+                    for quantity in ("displacement", "largest force"))
     sound = n(stones.name_of("sound"), "error of stiffness, noise 0.1 %, worst")
-    return f"""- On stones, the displacement errs by at most {worst["displacement"]:.1f} %, the largest force by
-  {worst["largest force"]:.0f} %, the stiffness of a sound bed by {sound:.0f} %. Below a hanging
-  sleeper the stiffness is several times too large, and the void is not recognised.
+    return f"""- On stones, the displacement errs by at most {moved:.1f} %, the largest force by
+  {force:.0f} %, the stiffness of a sound bed by {sound:.0f} %. Below a hanging sleeper the
+  stiffness is several times too large, and the void is not recognised.
 """
 
 
