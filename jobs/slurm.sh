@@ -9,7 +9,7 @@
 # and continues; likewise after the failure of a node. One job for each row of a table, whose first
 # line names the parameters, with results in DIR/1, DIR/2 and so on:
 #   sbatch --array=1-12 -n 8 -t 4:00:00 jobs/slurm.sh --table variants.csv DECK DIR [key=value...]
-# `trackbed info DIR` tells how far a run is, `scancel` ends it; the same sbatch command continues
+# `trackbed info DIR` states how far a run is, `scancel` ends it; the same sbatch command continues
 # it later. The program is build/release/trackbed in the folder of the submission, or $TRACKBED.
 # Exit codes are those of the program: 3 if a job was ended early and does not go on by itself.
 set -euo pipefail
