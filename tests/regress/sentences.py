@@ -200,7 +200,7 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           "time.window=1e-4 time.substeps=3": "has no effect: time.window is given",
           "time.window=1e-5 time.step=2e-5": "is longer than the window",
           f"{TRAIN} seat.rails=0.2": "check the number of rails",
-          f"{TRAIN} track.zone=[{{from=0,to=60,gap=2e-3}}]":
+          f"{TRAIN} track.zone=[{{from=0,to=60,bed=2}}]":
               "track.zone[0].from = 0: begins a zone that contains 2 sleepers of the bed: these",
           f"{TRAIN} track.zone=[{{from=12.1,to=13,sleeper=2}}]":
               "track.zone[0].from = 12.1: begins a zone that contains 1 sleeper of the bed: this",
@@ -217,7 +217,8 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           "stage.sleepers.height=0.01": "less than the size of the largest stone (0.063 m)"}
 # What must not be reported of zones: beside the bed's sleepers, or of the rail alone.
 SILENT = [f"{TRAIN} track.zone=[{{from=0,to=11.9,gap=2e-3}},{{from=13,to=60,bed=0.5}}]",
-          f"{TRAIN} track.zone=[{{from=0,to=60,rail=2}}]"]
+          f"{TRAIN} track.zone=[{{from=0,to=60,rail=2}}]",
+          f"{TRAIN} track.zone=[{{from=11.9,to=13,gap=2e-3}}]"]
 # One error gives one message, without messages on its consequences.
 SINGLE = ["bed.x=[1.2,0]", "ground.x=[0,0]", "time.window=1", "stage.sleepers.kind=settle"]
 COMMANDS = "(commands: run, resume, check, describe, schema, info, shapes, kernel)"
