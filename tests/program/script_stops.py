@@ -77,8 +77,10 @@ def listen(program, ranks, place):
 
 
 def last_checkpoint(place):
+    """Its name, which comes first in `latest`."""
     latest = place / "latest"
-    return latest.read_text(encoding="utf-8") if latest.is_file() else ""
+    names = latest.read_text(encoding="utf-8").split() if latest.is_file() else []
+    return names[0] if names else ""
 
 
 def check_loop(program, source, folder):
@@ -168,7 +170,7 @@ def check_study(program, source, folder):
     for _ in range(2):
         stopped(command, folder, [signal.SIGTERM], begun)
         checkpoint = last_checkpoint(result)
-        if not checkpoint or not (result / checkpoint.strip()).is_file():
+        if not checkpoint or not (result / checkpoint).is_file():
             raise SystemExit(f"{result} has no checkpoint: {list(result.glob('*'))}")
         steps.append(int(re.search(r"\d+", checkpoint)[0]))
     # Begun again, the second run would have taken about as many steps as the first one.
