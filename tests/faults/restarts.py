@@ -59,10 +59,12 @@ def shortened(program, path):
     for number, stage in enumerate(deck["stage"]):
         key = f"stage.{number}"
         windows = count.get(stage["name"], count.get("", 0))
-        if windows == 0 or stage["kind"] == "tamp":
+        if windows == 0 or stage.get("kind", "run") == "tamp":
             continue
         if not stage.get("duration"):  # as long as axles pass
-            words += [f"{key}.cycles=0", f"{key}.duration=2e-3"]
+            words += [f"{key}.cycles=0", f"{key}.duration=2e-3", f"{key}.settlement=0"]
+            if "load" in deck and not stage.get("train"):
+                words.append(f"load.start={deck['sleepers']['first'] - 0.01}")
             continue
         length = stage["duration"] * min(1.0, WINDOWS / windows)
         words.append(f"{key}.duration={length:.6g}")
@@ -70,7 +72,7 @@ def shortened(program, path):
             words.append(f"{key}.growth=0")  # in a few windows stones would grow too fast
         if "ramp" in stage:
             words.append(f"{key}.ramp={length / 4:.6g}")
-        if stage["kind"] in ("load", "shear", "triaxial", "compact") and "ramp" not in stage:
+        if stage.get("kind", "run") in ("load", "shear", "triaxial", "compact") and "ramp" not in stage:
             words.append(f"{key}.ramp={length / 4:.6g}")
         if stage.get("cycles", 0) > 4:
             words.append(f"{key}.cycles=2")
