@@ -59,7 +59,8 @@ def shortened(program, path):
     for number, stage in enumerate(deck["stage"]):
         key = f"stage.{number}"
         windows = count.get(stage["name"], count.get("", 0))
-        if windows == 0 or stage.get("kind", "run") == "tamp":
+        kind = stage.get("kind", "run")
+        if windows == 0 or kind == "tamp":
             continue
         if not stage.get("duration"):  # as long as axles pass
             words += [f"{key}.cycles=0", f"{key}.duration=2e-3", f"{key}.settlement=0"]
@@ -72,7 +73,7 @@ def shortened(program, path):
             words.append(f"{key}.growth=0")  # in a few windows stones would grow too fast
         if "ramp" in stage:
             words.append(f"{key}.ramp={length / 4:.6g}")
-        if stage.get("kind", "run") in ("load", "shear", "triaxial", "compact") and "ramp" not in stage:
+        if kind in ("load", "shear", "triaxial", "compact") and "ramp" not in stage:
             words.append(f"{key}.ramp={length / 4:.6g}")
         if stage.get("cycles", 0) > 4:
             words.append(f"{key}.cycles=2")
