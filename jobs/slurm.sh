@@ -93,7 +93,7 @@ while kill -0 $run 2>/dev/null; do  # a signal has ended `wait`, not the run
   wait $run || code=$?
 done
 # A signal in the moment in which the run ends: 128 and its number instead of the code of the run,
-# which another `wait` tells. SIGUSR1 kills mpirun itself while it has no ranks.
+# which another `wait` returns. SIGUSR1 kills mpirun itself while it has no ranks.
 if [ -n "$asked" ] && [ $code -gt 128 ]; then
   code=0
   wait $run 2>/dev/null || code=$?

@@ -108,7 +108,8 @@ def noisy(record, noise, seed):
 
 
 def measured(folder, track, record, noise, seed):
-    """{quantity: (found, true, unit factor)} of a record."""
+    """{quantity: (found, true)} of a record; of the displacement the largest one plus the error, so
+    that the ratio to the true largest one is 1 plus the relative error."""
     acceleration, size = noisy(record, noise, seed)
     found, moved = ballast.calibrate(acceleration, RATE, track, FREE, noise=size)
     deepest = -record.displacement.min()

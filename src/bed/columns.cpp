@@ -64,7 +64,7 @@ std::int64_t wider(std::int64_t columns) { return std::max<std::int64_t>(1, colu
 
 }  // namespace
 
-// The highest top of this and all earlier balls tells where the search may end.
+// The highest top of this and all earlier balls states where the search may end.
 void Heap::add(const geom::Sphere& ball) {
   const double top = ball.centre.z() + ball.radius;
   balls_.push_back(ball);

@@ -11,8 +11,6 @@ run. The table at the end counts the outcomes. The exit code is 1 if there are f
 folders are kept.
 """
 import argparse
-import collections
-import concurrent.futures
 import json
 import os
 import pathlib
@@ -20,8 +18,11 @@ import random
 import shutil
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from mutations import ROUGH, called  # noqa: E402
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "support"), str(HERE.parent / "restart")]
+from mutations import ROUGH, attack, called  # noqa: E402
+from restart import canonical  # noqa: E402
+from results import datasets, same_datasets  # noqa: E402
 
 # (name, deck below SOURCE, overrides, windows after which it is stopped)
 RUNS = (
@@ -48,6 +49,19 @@ def state_of(folder):
                 collect(value)
     collect(summary)
     return summary["finished"], summary["windows"], found
+
+
+def difference(one, other):
+    """What differs in state or results of two runs, or nothing."""
+    if state_of(one) != state_of(other):
+        return f"state {state_of(one)} and {state_of(other)}"
+    found = ({name: canonical(name, values) for name, values in datasets(place).items()}
+             for place in (one, other))
+    try:
+        same_datasets(*found, other.name, nan=True)
+    except SystemExit as error:
+        return str(error)
+    return ""
 
 
 def bits(data, chance, _):
@@ -167,18 +181,7 @@ def main():
     prepare(given.program, given.source, runs, given.folder)
     cases = [Case(number, given.seed, runs, given.folder)
              for number in range(given.first, given.first + given.count)]
-    counts, findings = collections.Counter(), 0
-    with concurrent.futures.ThreadPoolExecutor(given.workers) as pool:
-        for outcome, finding, place, words in pool.map(lambda case: work(given.program, case),
-                                                       cases):
-            counts[outcome] += 1
-            if finding:
-                findings += 1
-                print(f"{place}: {finding}: {', '.join(words)}", flush=True)
-    print("\n| outcome | cases |\n|---|---|")
-    for outcome, count in counts.most_common():
-        print(f"| {outcome} | {count} |")
-    print(f"| findings | {findings} |")
+    counts, findings = attack(lambda case: work(given.program, case), cases, given.workers)
     # Of 1000 cases 62 % continue, since an older checkpoint or the file itself still serves.
     few = counts["continued"] < 0.3 * given.count
     if few:

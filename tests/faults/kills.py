@@ -21,11 +21,8 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "restart"))
-from damaged import RUNS, chosen, state_of  # noqa: E402
+from damaged import RUNS, chosen, difference  # noqa: E402
 from program import Program  # noqa: E402
-from restart import canonical  # noqa: E402
-from results import datasets, same_datasets  # noqa: E402
 
 OFTEN = ("output.checkpoint_wall_interval=0.05",)
 KILLS_OF_A_RUN = 5
@@ -100,15 +97,7 @@ class Trial:
         ran = self.program(self.chance.randint(1, 4), *self.command, timeout=PATIENCE)
         if ran.returncode:
             return f"the last run ends with {ran.returncode}: {ran.stderr[-500:]}"
-        if state_of(self.place) != state_of(self.whole):
-            return "the state is another one"
-        first, second = ({name: canonical(name, values) for name, values in datasets(place).items()}
-                         for place in (self.whole, self.place))
-        try:
-            same_datasets(first, second, self.name, nan=True)
-        except SystemExit as error:
-            return str(error)
-        return ""
+        return difference(self.whole, self.place)
 
 
 def main():

@@ -207,7 +207,7 @@ def judged(program, case):
         return f"check {code}", f"check prints {rough[0]}"
     if code == 2:
         # Of a text that is no TOML the parser states line and column.
-        named = f"{case.deck.name}" in out or "command line" in out
+        named = case.deck.name in out or "command line" in out
         return "refused", "" if named else "a refusal that does not name the deck"
     if re.search(r"(?<![\w.-])(nan|inf)(?![\w.])|-\d{15,}", out):
         return "accepted", "check accepts a deck and prints nan, inf or a negative count"
@@ -229,6 +229,23 @@ def work(program, case):
     return outcome, finding, case.place, [*case.words, case.kind]
 
 
+def attack(work_on, cases, workers):
+    """(Counter of outcomes, number of findings), which are also printed. `work_on(case)`: outcome,
+    finding or nothing, folder, words."""
+    counts, findings = collections.Counter(), 0
+    with concurrent.futures.ThreadPoolExecutor(workers) as pool:
+        for outcome, finding, place, words in pool.map(work_on, cases):
+            counts[outcome] += 1
+            if finding:
+                findings += 1
+                print(f"{place}: {finding}: {', '.join(words)[:300]}", flush=True)
+    print("\n| outcome | cases |\n|---|---|")
+    for outcome, count in counts.most_common():
+        print(f"| {outcome} | {count} |")
+    print(f"| findings | {findings} |")
+    return counts, findings
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("program")
@@ -244,18 +261,7 @@ def main():
     decks, keys = sorted(given.inputs.rglob("*.toml")), parameters_of(given.program)
     cases = [Case(number, given.seed, decks, keys, given.folder)
              for number in range(given.first, given.first + given.count)]
-    counts, findings = collections.Counter(), 0
-    with concurrent.futures.ThreadPoolExecutor(given.workers) as pool:
-        for outcome, finding, place, words in pool.map(lambda case: work(given.program, case),
-                                                       cases):
-            counts[outcome] += 1
-            if finding:
-                findings += 1
-                print(f"{place}: {finding}: {' '.join(words)[:200]}", flush=True)
-    print("\n| outcome | cases |\n|---|---|")
-    for outcome, count in counts.most_common():
-        print(f"| {outcome} | {count} |")
-    print(f"| findings | {findings} |")
+    counts, findings = attack(lambda case: work(given.program, case), cases, given.workers)
     # Of 500 cases 20 % are accepted.
     few = counts["refused"] > 0.95 * given.count or counts["refused"] < 0.3 * given.count
     if few:

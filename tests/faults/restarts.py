@@ -20,11 +20,8 @@ import sys
 import tomllib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "restart"))
-from damaged import state_of  # noqa: E402
+from damaged import difference  # noqa: E402
 from program import Program, summary  # noqa: E402
-from restart import canonical  # noqa: E402
-from results import datasets, same_datasets  # noqa: E402
 
 WINDOWS = 40  # of each stage
 STOPS, MOST_RANKS = 3, 6
@@ -115,7 +112,8 @@ class Deck:
                 return "stopped", f"stop after {stop}: code {ran.returncode}: {ran.stderr[-300:]}"
         if not limit and (ran := self.ran("parts", "output.stop_after=0", resume=True)).returncode:
             return "resumed", f"code {ran.returncode}: {ran.stderr[-300:]}"
-        return f"{last} windows" + (", then it fails" if limit else ""), self.difference()
+        return f"{last} windows" + (", then it fails" if limit else ""), difference(
+            self.place / "whole", self.place / "parts")
 
     def windows_before_failure(self):
         """By the last line of progress; the window that failed may be its last one."""
@@ -124,18 +122,6 @@ class Deck:
             return 0
         last = json.loads(path.read_text(encoding="utf-8").splitlines()[-1])
         return last["windows_of_run"] - 1
-
-    def difference(self):
-        one, other = self.place / "whole", self.place / "parts"
-        if state_of(one) != state_of(other):
-            return f"state {state_of(one)} and {state_of(other)}"
-        found = ({name: canonical(name, values) for name, values in datasets(place).items()}
-                 for place in (one, other))
-        try:
-            same_datasets(*found, self.path.name, nan=True)
-        except SystemExit as error:
-            return str(error)
-        return ""
 
 
 def main():

@@ -15,7 +15,7 @@
 
 namespace trackbed::model {
 
-// How a run fares: for a line of the log, and the same as numbers, with units in their names.
+// Figures of the present state: for a line of the log, and as numbers with units in their names.
 struct Status {
   std::string words;
   nlohmann::ordered_json figures = nlohmann::ordered_json::object();

@@ -5,9 +5,9 @@ Both methods integrate twice in the frequency domain and use that the sleeper re
 chooses, and a baseline through the positions at rest. `smoothing` (default) instead estimates the
 drift: that of white noise of the sensor, integrated twice, and of a slowly changing offset, such
 that the sleeper is at its position of rest wherever it is quiet; this position sinks if the sleeper
-settles. This is a least-squares problem
-(a smoothing spline, Wahba 1990, doi:10.1137/1.9781611970128), which also gives the standard
-deviation of the displacement. Where both differ from the thesis: docs/monitoring.md.
+settles. This is a least-squares problem (a smoothing spline, Wahba 1990,
+doi:10.1137/1.9781611970128), which also gives the standard deviation of the displacement. Where
+both differ from the thesis: docs/monitoring.md.
 """
 import dataclasses
 
