@@ -16,6 +16,8 @@ from trackbed_post.monitor import command as monitor_command  # noqa: E402
 from trackbed_post.monitor import (ballast, calibration, greens, indicators,  # noqa: E402
                                    passages, regularised)
 from trackbed_post.monitor import forces as monitor_forces  # noqa: E402
+from trackbed_post.settlement import command as settlement_command  # noqa: E402
+from trackbed_post.settlement import laws, traffic  # noqa: E402
 
 FORMATS = ("png", "pdf", "svg", "csv")  # csv: the lines of each figure
 
@@ -35,6 +37,31 @@ def noise(text):
         value = math.nan
     if not 0 <= value < math.inf:
         raise argparse.ArgumentTypeError(f"{text}: must be 0 or more, m/s2")
+    return value
+
+
+def subgrade(text):
+    """Soil, stress over strength, thickness in m."""
+    soil, *rest = text.split(":")
+    try:
+        ratio, thickness = map(float, rest)
+        fits = soil in laws.SOILS and 0 < ratio <= 1 and 0 < thickness < math.inf
+    except ValueError:
+        fits = False
+    if not fits:
+        raise argparse.ArgumentTypeError(f"{text}: give SOIL:RATIO:THICKNESS, soil "
+                                         f"{', '.join(laws.SOILS)}, ratio of stress to strength "
+                                         "up to 1, thickness in m")
+    return soil, ratio, thickness
+
+
+def positive(text):
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text}: must be above 0")
     return value
 
 
@@ -151,6 +178,22 @@ def find_ballast(given):
     print_folders([folder])
 
 
+def draw_settlement(given):
+    """settlement from cycle to cycle or train to train, laws, and a forecast for a traffic"""
+    forecast = None
+    if given.traffic:
+        forecast = settlement_command.Forecast(
+            traffic.traffic_from(given.traffic), given.days, given.axles, given.axle_load,
+            given.load_exponent)
+    elif {given.lift, given.force, given.subgrade} != {None}:
+        raise read.Unreadable("--lift, --force and --subgrade are for a forecast: give --traffic")
+    if given.lift is not None and given.axle_load is None:
+        raise read.Unreadable("--lift (Shenton's law) needs the axle load: give --axle-load")
+    folder = write.Folder(given.output, write.origin_of(given.results), given.format)
+    settlement_command.settlement(given.results, folder, given, forecast)
+    print_folders([folder])
+
+
 def list_datasets(given):
     """names, shapes, units and meanings of all datasets of an HDF5 file"""
     for name, item in read.datasets(given.file).items():
@@ -249,6 +292,27 @@ def parser():
     one.add_argument("--quantity", default="",
                      help="draw this dataset, e.g. envelope/rail/displacement_min")
     one.add_argument("--place", type=int, default=-1)
+    draws(one)
+    one = command("settlement", draw_settlement)
+    takes_runs(one)
+    one.add_argument("--begin", type=positive, default=1.0, metavar="N",
+                     help="laws are fitted from this cycle on; default: 1")
+    one.add_argument("--traffic", type=pathlib.Path, metavar="FILE.csv",
+                     help="trains of a day: columns trains_per_day, axles, axle_load_t")
+    one.add_argument("--days", type=positive, default=365.25,
+                     help="of the forecast; default: a year")
+    one.add_argument("--axles", type=positive, default=1.0, metavar="K",
+                     help="axles that a cycle of the run represents; default: 1")
+    one.add_argument("--axle-load", type=positive, metavar="T", help="of the run, t")
+    one.add_argument("--load-exponent", type=positive, metavar="P",
+                     help="an axle of another load counts as (its load over that of the run)^P "
+                          "axles")
+    one.add_argument("--lift", type=positive, metavar="MM",
+                     help="draws Shenton's law after a lift of the track in mm")
+    one.add_argument("--force", type=positive, metavar="KN",
+                     help="draws the law of Varandas for this force below a sleeper at each axle")
+    one.add_argument("--subgrade", type=subgrade, metavar="SOIL:RATIO:THICKNESS",
+                     help="draws the law of Li and Selig for a layer, such as CL:0.4:1.5")
     draws(one)
     one = command("monitor", run_monitor)
     one.add_argument("passages", type=pathlib.Path, metavar="FOLDER",

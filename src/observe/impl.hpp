@@ -39,8 +39,9 @@ struct Results::Impl {
   // Columns of all groups; `impl` is an Impl or a constant one.
   template <class Self>
   static auto groups_of(Self& impl) {
-    return std::array{&impl.energy, &impl.sleeper, &impl.ground, &impl.region, &impl.wall,
-                      &impl.platen, &impl.train,   &impl.solid,  &impl.placed, &impl.sensor};
+    return std::array{&impl.energy, &impl.sleeper, &impl.traffic, &impl.ground,
+                      &impl.region, &impl.wall,    &impl.platen,  &impl.train,
+                      &impl.solid,  &impl.placed,  &impl.sensor};
   }
   void append_to(io::File& file);  // the rows in memory
   void append_last_to(io::File& file) const;
@@ -67,7 +68,7 @@ struct Results::Impl {
   std::vector<std::int64_t> stages, last_stages;
   Recorded recorded;
   std::vector<int> axes;  // of their motion, the vertical first
-  std::vector<Column> energy, sleeper, ground;
+  std::vector<Column> energy, sleeper, traffic, ground;
   std::vector<Column> platen, train, solid;
   std::vector<Column> placed;  // totals of all stones and surfaces, then those of each
   std::vector<Column> wall;    // force and displacement of the first, then those of the next

@@ -11,8 +11,9 @@ namespace trackbed::observe {
 
 // Groups with one level of names below; those of `named_histories` have two.
 inline constexpr std::array plain_histories = {
-    "history/energy", "history/sleeper", "history/ground", "history/platen", "history/wheel",
-    "history/rail",   "history/body",    "history/seat",   "history/solid",  "history/total"};
+    "history/energy", "history/sleeper", "history/traffic", "history/ground",
+    "history/platen", "history/wheel",   "history/rail",    "history/body",
+    "history/seat",   "history/solid",   "history/total"};
 
 inline constexpr std::array named_histories = {"history/region", "history/wall", "history/stone",
                                                "history/surface", "history/sensor"};

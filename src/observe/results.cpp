@@ -139,6 +139,10 @@ void Results::sample(const Scene& scene, const Instant& instant) {
   if (scene.ground && impl.records("ground")) impl.sample_ground(*scene.ground);
   if (impl.records("wall")) impl.sample_walls(instant.walls);
   if (instant.platen && impl.records("platen")) impl.sample_platen(*instant.platen);
+  if (instant.cycles >= 0 && impl.records("sleeper"))
+    ColumnWriter(impl.traffic)
+        .put("history/traffic/cycles",
+             {"-", "complete cycles of load or trains, those of jumps included"}, instant.cycles);
   if (instant.train && impl.records("train"))
     impl.sample_train(*instant.train, instant.seat_force.size());
   if (instant.solids && impl.records("solid")) impl.sample_solids(*instant.solids);

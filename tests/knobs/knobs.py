@@ -56,6 +56,9 @@ TAMPED = ["stage.passage.kind=tamp", "stage.passage.duration=0", "dem.largest_ov
           *(f"tamping.{name}={value}" for name, value in
             {"gap": 0.07, "closing": 0.03, "thickness": 0.02, "depth": 0.06, "insertion": 0.01,
              "squeeze": 0.01, "withdrawal": 0.01}.items())]
+JUMPED = ["stage.load.settlement=0", "stage.passage.kind=jump", "stage.passage.cycles=12",
+          "stage.passage.duration=0.6", "stage.passage.load=2e3", "jump.from=load",
+          "jump.cycles=4", "jump.period=0.02", "jump.exponent=1"]
 BREAKS = [*SPACE[:1], SPACE[2], "bed.stone=clump",
           "bed.clump=[-0.5,0,0,0.5, 0.5,0,0,0.4, 0,0.4,0,0.3]", "breakage.strength=1e4",
           "breakage.threshold=1", "breakage.from=load", "breakage.least_size=0.005"]
@@ -325,6 +328,11 @@ EXCEPTIONS = {
     "dem.skin": "speed only, a change of results would be an error; skin_test counts rebuilds",
     "bond.[].name": "only the report on screen has it; placed.py reads it there",
     "dem.rebalance": "speed only, as dem.skin; balance_test counts new splits",
+    "jump.from": ("jump.from=passage", JUMPED),
+    "jump.cycles": ("jump.cycles=3", JUMPED),
+    "jump.exponent": ("jump.exponent=0", JUMPED),
+    "jump.period": ("jump.period=0.03", JUMPED),
+    "jump.least_friction": ("jump.least_friction=0.99", JUMPED),
     **dict.fromkeys((f"handover.{name}" for name in ("after", "rounds", "trains", "each", "load")),
                     "jobs/handover.py reads it; the test of on_bed.toml verifies its effect"),
 }

@@ -30,7 +30,9 @@ PLAIN = {
     "run/substeps", "run/windows", "run/windows_of_stage", "run/windows_in_stage", "run/warnings",
     "run/history_rows", "run/ground_settled", "/balance/force", "/balance/moment",
     "/balance/roll_moment", "/balance/impulse", "/balance/work", "run/stages/name",
-    "run/stages/substeps", "run/stages/particles", "run/stages/aim"}
+    "run/stages/substeps", "run/stages/particles", "run/stages/aim",
+    "traffic/cycles", "run/jump/counted", "run/jump/friction", "run/jump/in_stage",
+    "run/jump/noted"}
 # Words in the meaning of a dataset that imply a unit.
 WITH_UNIT = re.compile(r"\((m|s|N|J|Pa|kg|m/s|m/s\^?2|rad)[;:)]")
 

@@ -36,6 +36,8 @@ YIELDS = "ground.layer.soil.yield=mohr_coulomb ground.plane=strain"
 # Single changes of the tiny deck and a part of the refusal or warning.
 TRAIN = "stage.passage.train=true train.start=0"
 TAMP = "stage.passage.kind=tamp stage.passage.duration=0"
+JUMP = ("stage.passage.kind=jump stage.passage.cycles=9 stage.passage.load=2e3 jump.from=load "
+        "jump.cycles=4 stage.load.settlement=0")
 REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "wall_material=wood": "there are ballast, sleeper",
            "ground_material=wood": "there are ballast, sleeper",
@@ -80,7 +82,7 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
                "must be above 0 if cohesion is 0: otherwise the solid has no shear strength",
            "bed.seed=-1": "must be at least 0",
            "stage.fill.cycles=1000000000": "stage[0].cycles = 1000000000 must be at least 0 and",
-           "stage.fill.cycles=3": "for stages of kind load, passage and tamp only",
+           "stage.fill.cycles=3": "for stages of kind load, passage, tamp and jump only",
            "stage.load.cycles=1000000": "does not resolve; give fewer",
            "stage.passage.cycles=1000000000": "at most",
            "ground.x=[0.1,1.2]": "beside the ground",
@@ -133,6 +135,15 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            f"{TRAIN} stage.passage.cycles=2":
                "each train starts when the last axle of the train before has left",
            f"{TRAIN} train.vehicles=[\"manchester\"]": "did you mean manchester_1?",
+           f"{JUMP} stage.passage.cycles=0": "must be at least 1: the cycles that a jump",
+           f"{JUMP} stage.passage.load=0": "must be above 0 N: the load of the cycles of a jump",
+           f"{JUMP} jump.from=lode": "there is no stage \"lode\"",
+           f"{JUMP} jump.from=passage": "jumps over cycles that are not counted yet (jump.from)",
+           f"{JUMP} jump.cycles=9": "needs a stage of 9 cycles before it (jump.cycles), which has",
+           f"{JUMP} stage.load.settlement=1e-4": "must not follow a stage that may end early",
+           f"{JUMP} stage.load.kind=run stage.load.cycles=0 stage.load.load=0":
+               "jumps over cycles, but the stage before is not of kind load or passage",
+           f"{JUMP} bond=[{{{{name=\"a\"}}}}]": "is not possible with breakage or bonds",
            "tamping.lift=0.01": "has no effect: no stage is of kind tamp",
            f"{TAMP} tamping.closing=0.09": "tines would hit the sleeper",
            f"{TAMP} tamping.gap=0.15": "more than the space between sleepers (0.31 m)",
@@ -144,7 +155,11 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "region.below.cells=[1.5,1,1]": "must be whole numbers",
            "region.below.cells=[1000,1,11]": "must be at most 10000 cells in total",
            "region.below.name=a/b": "must be a word of letters"}
-WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
+WARNED = {"jump.cycles=9": "has no effect: no stage is of kind jump",
+          "jump.exponent=0.2": "has no effect: no stage is of kind jump",
+          "jump.period=0.2": "has no effect: no stage is of kind jump",
+          "jump.least_friction=0.2": "has no effect: no stage is of kind jump",
+          "ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           "material.0.density=2.65": "is its unit right?",
           "load.peak=60e6": "usual values (1000 to 1e+06 N)",
           "sleepers.height=450": "usual values (at most 1 m)",

@@ -12,7 +12,6 @@ give the same stones.
 import pathlib
 import shutil
 import sys
-import tomllib
 
 import numpy
 
@@ -20,6 +19,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from part import part  # noqa: E402
 from program import Program, summary  # noqa: E402
 from results import datasets, same_datasets  # noqa: E402
+from trackbed_post import read  # noqa: E402
 
 RANKS_OF_STOPPED, RANKS_OF_RESUMED = 2, (3, 1)  # in turn
 
@@ -56,11 +56,10 @@ def stage_records(folder):
             for stage in summary(folder)["stages"]]
 
 
-def require_ends_by_target(folder, deck):
+def require_ends_by_target(folder):
     """Every stage with a target must end by reaching it before its duration: only then do the stops
     within it test that the state of the criterion is restored."""
-    with open(deck, "rb") as file:
-        longest = {stage["name"]: stage["duration"] for stage in tomllib.load(file)["stage"]}
+    longest = {stage["name"]: stage["duration"] for stage in read.origin(folder)[1]["stage"]}
     targets = [stage for stage in stage_records(folder) if "aim_reached" in stage]
     if not targets:
         raise SystemExit("no stage has a target")
@@ -89,7 +88,7 @@ def main():
     shutil.rmtree(root, ignore_errors=True)
     reference = root / "reference"
     program.done(1, "run", deck, *overrides, "-o", reference)
-    require_ends_by_target(reference, deck)
+    require_ends_by_target(reference)
     for number, windows in enumerate(part(stops(reference, first))):
         folder = root / f"stopped_{windows}"
         program.done(RANKS_OF_STOPPED, "run", deck, *overrides, f"output.stop_after={windows}",

@@ -208,6 +208,7 @@ class Particles {
   std::string trouble();
   void set_local_damping(double alpha);  // overrides the materials' value; < 0: restores it
   void set_friction(double mu);          // overrides that of all contacts; < 0: restores it
+  void scale_friction(double factor);    // the same by a factor
   void stop();  // all velocities to zero (end of a packing stage), except those of held particles
   // Particles with this id and higher ones, which are still to be added, have this fraction of
   // their size, in (0, 1], and all of their mass; all of these then grow to a larger one. Local, to

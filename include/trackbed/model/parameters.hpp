@@ -13,6 +13,7 @@
 #include "trackbed/input/section.hpp"
 #include "trackbed/model/footing.hpp"
 #include "trackbed/model/handover.hpp"
+#include "trackbed/model/jump.hpp"
 #include "trackbed/model/pressures.hpp"
 #include "trackbed/model/solid.hpp"
 #include "trackbed/model/track_model.hpp"
@@ -38,7 +39,8 @@ enum class StageKind {
   shear,
   triaxial,
   lift_walls,
-  tamp
+  tamp,
+  jump
 };
 // Stages in which the platen loads the stones.
 inline bool has_platen_load(StageKind kind) {
@@ -65,7 +67,7 @@ struct Stage {
   double seat_force = 0;    // N on each rail seat throughout the stage
   double load = 0;          // N, load: peak on each rail seat, above seat_force
   double ramp = 0.05;       // s, load: zero to peak, and back at the end; shear: to full speed
-  std::int64_t cycles = 0;  // load: haversines; passage: trains; tamp: insertions; see `declare`
+  std::int64_t cycles = 0;  // see `declare`
   double settlement = 0;    // m, load, passage: end early once a cycle adds less; 0: never
   bool train = false;       // passage: vehicles on a rail instead of [load]
   void declare(input::Section& s);
@@ -162,6 +164,7 @@ struct Model {
   TrackModel track;
   FootingParameters footing;    // of track_on_ground
   HandoverParameters handover;  // for jobs/handover.py
+  JumpParameters jump;
   void declare(input::Section& s);
 
   // With the defaults of this kind.
@@ -172,6 +175,8 @@ struct Model {
   bool has_one_grading() const;  // all stones are poured by this deck, by one stage
   bool uses_platen() const;
   bool has_train() const;  // in any stage
+  // The stage from which on cycles are counted; null: none is.
+  const Stage* counts_from() const;
   bool has_stages() const { return has_stones() || kind == ModelKind::ground; }
   bool has_stones() const { return has_bed() || is_placed(); }
   bool has_bed() const { return kind == ModelKind::bed; }

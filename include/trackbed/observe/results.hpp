@@ -113,6 +113,7 @@ struct Instant {
   std::span<const double> seat_force;     // N, downwards, per sleeper
   std::span<const WallState> walls;       // all walls of the run, always in the same order
   const PlatenState* platen = nullptr;    // null: none in this run
+  double cycles = -1;                     // of load or trains up to now; below 0: not counted
   const TrainInstant* train = nullptr;    // null: none in this run
   const SolidState* solids = nullptr;     // null: none in this run
   const PlacedInstant* placed = nullptr;  // null: none in this run

@@ -351,4 +351,8 @@ void LawTable::override_friction(double mu) {
   for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k].springs.mu = mu < 0 ? friction_[k] : mu;
 }
 
+void LawTable::scale_friction(double factor) {
+  for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k].springs.mu = factor * friction_[k];
+}
+
 }  // namespace trackbed::dem

@@ -80,6 +80,7 @@ class LawTable {
   const Law& operator[](std::size_t index) const { return laws_[index]; }
   // `mu` is the friction of every law from now on; below 0: restores their own values.
   void override_friction(double mu);
+  void scale_friction(double factor);  // of the given values
   const std::vector<Law>& all() const { return laws_; }
   std::size_t materials() const { return materials_; }
   bool any_hertz() const {

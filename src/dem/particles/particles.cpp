@@ -284,6 +284,7 @@ std::int64_t Particles::core_overlaps() const {
 std::string Particles::trouble() { return std::exchange(impl_->trouble, {}); }
 void Particles::set_local_damping(double alpha) { impl_->local_damping = alpha; }
 void Particles::set_friction(double mu) { impl_->laws.override_friction(mu); }
+void Particles::scale_friction(double factor) { impl_->laws.scale_friction(factor); }
 
 // Positions and histories are kept: the springs stay loaded.
 void Particles::stop() {

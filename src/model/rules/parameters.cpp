@@ -43,7 +43,7 @@ void Stage::declare_course(input::Section& s) {
   s.text("name", name, "Name of the stage, in checkpoints, histories and overrides.", {}, true);
   s.choice("kind", kind,
            {"fill", "settle", "compact", "release", "sleepers", "cribs", "load", "passage", "run",
-            "shear", "triaxial", "lift_walls", "tamp"},
+            "shear", "triaxial", "lift_walls", "tamp", "jump"},
            "Kind of stage; fill: new stones fall; settle: stones come to rest; compact: the platen "
            "loads the bed until its pressure is steady; release: the platen is lifted slowly, so "
            "that the bed does not rebound; sleepers: sleepers are placed and settle; cribs: new "
@@ -53,7 +53,8 @@ void Stage::declare_course(input::Section& s) {
            "lower half of divided walls moves along x under the platen; triaxial: the platen moves "
            "down between walls with a controlled pressure; lift_walls: walls are lifted, and "
            "removed at the end; tamp: sleepers are lifted and tines squeeze the ballast below "
-           "them.");
+           "them; jump: a few cycles with less friction settle the sleepers as many cycles would "
+           "(see [jump]).");
   s.text(
       "layer", layer,
       "Name of the [[bed.layer]] that is poured (fill), on top of any existing stones; empty: the "
@@ -118,8 +119,10 @@ void Stage::declare_loads(input::Section& s) {
   s.number("seat_force", seat_force, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
            "Constant force on each sleeper, downwards; a sleeper with two seats has half of it on "
            "each.");
-  s.number("load", load, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
-           "Peak force on each sleeper in addition to seat_force (load).");
+  s.number(
+      "load", load, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
+      "Peak force on each sleeper in addition to seat_force (load; jump: of the cycles that it "
+      "represents).");
   s.number("ramp", ramp, {.unit = "s", .at_least = 0},
            "Ramp time, at most half the duration; load: time of loading and of unloading; compact: "
            "time in which pressure and confinement change from those of the preceding stage; "
@@ -127,7 +130,8 @@ void Stage::declare_loads(input::Section& s) {
   s.integer("cycles", cycles, {.at_least = 0, .at_most = most_cycles},
             "Number of cycles; load: number of haversines in the duration (0: one ramp up, hold "
             "and ramp down); passage: number of successive trains (0: one); tamp: number of "
-            "insertions of the tines (0: one).");
+            "insertions of the tines (0: one); jump: number of cycles or trains that it "
+            "represents.");
   s.flag("train", train,
          "Whether the sleepers are loaded by the vehicles of [train] (through rail and pads) or by "
          "the axle loads of [load] (passage).");
@@ -161,8 +165,10 @@ void Stage::declare(input::Section& s) {
   s.rule("layer", kind == StageKind::fill || layer.empty(), "is for stages of kind fill only",
          {.reads = {"kind", "layer"}});
   const bool loaded = kind == StageKind::load || kind == StageKind::passage;
-  s.rule("cycles", cycles == 0 || loaded || tamps,
-         "is for stages of kind load, passage and tamp only");
+  const bool jumps = kind == StageKind::jump;
+  s.rule("cycles", cycles == 0 || loaded || tamps || jumps,
+         "is for stages of kind load, passage, tamp and jump only");
+  s.rule("cycles", cycles > 0 || !jumps, "must be at least 1: the cycles that a jump represents");
   s.rule("settlement", settlement == 0 || cycles > 0, "needs at least one cycle (cycles)");
 }
 
@@ -347,6 +353,8 @@ void Model::declare(input::Section& s) {
           "Long-term settlement by alternating runs of a track alone and of the bed "
           "(docs/track.md); used by jobs/handover.py, ignored by `trackbed run`.");
   declare_handover(*this, s);
+  s.table("jump", jump, "Jumps over cycles of load, stages of kind jump (docs/track.md).");
+  declare_jump(*this, s);
 }
 
 void Model::declare_bed(input::Section& s) {
@@ -437,6 +445,17 @@ bool Model::uses_walls() const {
 
 bool Model::has_train() const {
   return std::any_of(stages.begin(), stages.end(), [](const Stage& stage) { return stage.train; });
+}
+
+const Stage* Model::counts_from() const {
+  const auto first = [&](auto&& fits) -> const Stage* {
+    const auto found = std::find_if(stages.begin(), stages.end(), fits);
+    return found == stages.end() ? nullptr : &*found;
+  };
+  if (!jump.from.empty()) return first([&](const Stage& s) { return s.name == jump.from; });
+  if (const Stage* passage = first([](const Stage& s) { return s.kind == StageKind::passage; }))
+    return passage;
+  return first([](const Stage& s) { return s.kind == StageKind::load && s.cycles > 0; });
 }
 
 bool Model::has_solid_rails() const {

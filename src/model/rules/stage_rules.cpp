@@ -106,7 +106,7 @@ void declare_uses_of_stages(const Model& model, input::Section& s) {
     s.rule(growth_height, stage.growth_height == none.growth_height || stage.growth > 0,
            "has no effect: the stage has no growth",
            {.severity = input::Severity::warning, .reads = {growth, growth_height}});
-    only("load", stage.load != none.load, {load}, "stages of kind load");
+    only("load", stage.load != none.load, {load, jump}, "stages of kind load and jump");
     only("ramp", stage.ramp != none.ramp, {load, compact, shear, triaxial},
          "stages of kind load, compact, shear and triaxial");
     only("until_ratio", stage.until_ratio != none.until_ratio,

@@ -228,7 +228,7 @@ bool StagedScheme::is_last_passage() const {
 bool StagedScheme::begin_stage() {
   const double time = run_.course.clock.time();
   if (!settle_ground()) return false;
-  actions_.begin(present());
+  const std::string did = actions_.begin(present());
   const bool usual =
       model_.has_stage(StageKind::passage) ? is_last_passage() : run_.course.stage + 1 == stages();
   for (const std::string& warning : sensors_.begin_stage(present().name, usual, world_.particles))
@@ -249,6 +249,7 @@ bool StagedScheme::begin_stage() {
   measured_ = measure_from(present().name, run_.timers, world_);
   stage_begin_ = run_.log.wall_time();
   say_stage_begins(run_, world_, present());
+  if (!did.empty()) say(comm_, did);
   return true;
 }
 

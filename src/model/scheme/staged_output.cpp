@@ -94,6 +94,7 @@ void StagedScheme::sample() {
                                    .seat_force = seat_force_,
                                    .walls = walls,
                                    .platen = model_.uses_platen() ? &platen : nullptr,
+                                   .cycles = model_.counts_from() ? actions_.jump().cycles() : -1,
                                    .train = model_.has_train() ? &train : nullptr,
                                    .solids = world_.solids ? &solids : nullptr,
                                    .placed = world_.placement ? &placed : nullptr,

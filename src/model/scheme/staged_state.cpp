@@ -149,8 +149,7 @@ void StagedScheme::resume(const io::File& file, const std::string& histories) {
   require_still_stable();
   resume_extremes(file.has("ground/extremes/element"));
   // Settings of `begin` that are not part of the stored state.
-  world_.particles.set_local_damping(present().local_damping);
-  world_.particles.set_friction(present().friction);
+  actions_.set_contacts(present());
   // The seat forces of the window before the checkpoint, as in an uninterrupted run: the next
   // history row contains them until the sleepers move again.
   const double mid_window =

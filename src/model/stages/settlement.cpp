@@ -33,13 +33,14 @@ void Settlement::end() {
 
 // After w of n windows floor(w cycles/n) cycles are complete: exact in integers, also if a cycle is
 // not a whole number of windows.
-void Settlement::watch(std::int64_t cycles, const Clock& clock, const track::Sleepers& sleepers) {
+bool Settlement::watch(std::int64_t cycles, const Clock& clock, const track::Sleepers& sleepers) {
   const auto cycle = [&](std::int64_t window) { return window * cycles / clock.windows(); };
-  if (cycle(clock.window()) == cycle(clock.window() - 1)) return;
+  if (cycle(clock.window()) == cycle(clock.window() - 1)) return false;
   const std::vector<double> now = levels(sleepers);
   last_ = 0;
   for (std::size_t i = 0; i < now.size(); ++i) last_ = std::max(last_, level_[i] - now[i]);
   level_ = now;
+  return true;
 }
 
 void Settlement::archive(io::Archive& a) {

@@ -15,7 +15,8 @@ class Settlement {
   void begin(const track::Sleepers& sleepers);  // starts the first cycle
   void end();                                   // resets
   // To be called after each window of a stage with `cycles` equal cycles, from its first window on.
-  void watch(std::int64_t cycles, const Clock& clock, const track::Sleepers& sleepers);
+  // Returns whether a cycle is complete.
+  bool watch(std::int64_t cycles, const Clock& clock, const track::Sleepers& sleepers);
   // m, largest settlement of a sleeper in the last complete cycle; 0: no sleeper settled; below 0:
   // no cycle is complete yet.
   double last() const { return last_; }

@@ -65,14 +65,14 @@ StageActions::StageActions(World& world, const Model& model)
       model_(model),
       seat_load_(model.load, model.sleepers.spacing,
                  static_cast<std::size_t>(std::max<std::int64_t>(model.sleepers.count, 0))),
+      jump_(world, model),
       train_(world, model) {}
 
 // Collective. Order: damping and friction, then bodies that are removed, bodies that are added, the
 // registration of surfaces, which connects the ground's top to the ranks that need it, and finally
 // bonds between the stones that are left.
-void StageActions::begin(const Stage& stage) {
-  world_.particles.set_local_damping(stage.local_damping);
-  world_.particles.set_friction(stage.friction);
+std::string StageActions::begin(const Stage& stage) {
+  set_contacts(stage);
   const bool has_platen = has_platen_load(stage.kind) || stage.kind == StageKind::release;
   if (!has_platen && world_.platen) world_.take_platen_away();
   if (world_.placement && &stage == &model_.stages.front()) world_.place_stones();
@@ -93,6 +93,13 @@ void StageActions::begin(const Stage& stage) {
   if (has_platen && world_.platen)
     world_.platen->set_target(model_.pressure_in(stage), stage.kind == StageKind::shear);
   world_.walls.retarget();
+  return jump_.begin(stage);
+}
+
+void StageActions::set_contacts(const Stage& stage) {
+  world_.particles.set_local_damping(stage.local_damping);
+  world_.particles.set_friction(stage.friction);
+  if (stage.kind == StageKind::jump) world_.particles.scale_friction(jump_.friction());
 }
 
 // A second layer falls onto the existing stones.
@@ -147,7 +154,9 @@ void StageActions::grow(const Stage& stage, double time, double dt) {
 
 // Heights are read when a cycle ends: the other windows have no cost.
 void StageActions::watch(const Stage& stage, const Clock& clock) {
-  if (has_cycles(stage)) settlement_.watch(stage.cycles, clock, *world_.sleepers);
+  if (has_cycles(stage) && settlement_.watch(stage.cycles, clock, *world_.sleepers))
+    jump_.end_cycle(stage);
+  jump_.watch(stage, clock);
   clear_beside_floor(world_, clock);
 }
 
@@ -190,6 +199,7 @@ std::vector<double> StageActions::seat_forces(const Stage& stage, double time) c
   std::vector<double> forces(world_.sleepers ? world_.sleepers->count() : 0, stage.seat_force);
   for (std::size_t i = 0; i < forces.size(); ++i) {
     if (stage.kind == StageKind::load) forces[i] += stage.load * load_shape(stage, time);
+    forces[i] += jump_.load(stage, time);
     if (train_.there())
       forces[i] += train_.seat_force(i);
     else if (stage.kind == StageKind::passage && !model_.has_solid_rails())
@@ -222,6 +232,7 @@ bool StageActions::settled(const Stage& stage, const Clock& clock) const {
     return true;
   if (stage.settlement > 0 && settlement_.last() >= 0 && settlement_.last() <= stage.settlement)
     return true;
+  if (jump_.is_over(stage, clock)) return true;
   if (!ends_at_rest(stage) || clock.window() == 0 || world_.particles.grown() < 1) return false;
   if (clock.window() % windows_between_checks != 0) return false;
   return at_rest(world_.particles.totals(), stage.until_ratio);
@@ -237,6 +248,7 @@ std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
         100 * model_.platen.tolerance, stage.confinement / 1e3, world_.walls.steady_for(),
         model_.platen.hold);
   }
+  if (stage.kind == StageKind::jump) return jump_.shortfall();
   if (has_cycles(stage) && stage.settlement > 0) {
     if (settlement_.last() >= 0 && settlement_.last() <= stage.settlement) return std::string{};
     return fmt::format(
@@ -273,6 +285,7 @@ void StageActions::end(const Stage& stage) {
   }
   if (stage.kind == StageKind::tamp) world_.take_tines_away();
   settlement_.end();
+  jump_.end(stage);
   train_.take_away();
   world_.particles.set_local_damping(-1);
   world_.particles.set_friction(-1);
@@ -284,6 +297,7 @@ void StageActions::archive(io::Archive& a, double window) {
     a.part("run/settlement", settlement_);
   }
   train_.archive(a, window);
+  if (a.has("run/jump", jump_.counts())) a.part("run/jump", jump_);
 }
 
 }  // namespace trackbed::model

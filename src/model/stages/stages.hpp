@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model/scene/world.hpp"
+#include "model/stages/jump.hpp"
 #include "model/stages/settlement.hpp"
 #include "model/stages/stage_train.hpp"
 #include "trackbed/core/clock.hpp"
@@ -19,10 +20,13 @@ class StageActions {
   // Throws InputError for a bad seat load table.
   StageActions(World& world, const Model& model);
 
-  // Pours stones, places sleepers, platen or tines, cuts to the profile. Collective.
-  void begin(const Stage& stage);
+  // Pours stones, places sleepers, platen or tines, cuts to the profile. Returns a sentence on
+  // that, or nothing. Collective.
+  std::string begin(const Stage& stage);
   // Growth of stones in a window that begins `time` s after the stage did.
   void grow(const Stage& stage, double time, double dt);
+  // Damping and friction of the stage; a resume sets them again.
+  void set_contacts(const Stage& stage);
   void watch(const Stage& stage, const Clock& clock);  // after every window
   double duration(const Stage& stage) const;           // s
   // Starts the stage's train, if it has one, once the window (s) is known.
@@ -44,7 +48,8 @@ class StageActions {
   // stage has no aim. Collective.
   std::optional<std::string> shortfall(const Stage& stage) const;
   double settlement() const { return settlement_.last(); }  // m, in the last cycle; < 0: none
-  void end(const Stage& stage);                             // collective
+  const Jump& jump() const { return jump_; }
+  void end(const Stage& stage);  // collective
 
   // State of the present stage that is in neither the deck nor the model, and what finished ones
   // leave. `window`: s, of the present stage. After the sleepers' state.
@@ -61,6 +66,7 @@ class StageActions {
   const Model& model_;
   track::SeatLoad seat_load_;
   Settlement settlement_;
+  Jump jump_;
   StageTrain train_;
 };
 

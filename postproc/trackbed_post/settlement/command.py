@@ -1,0 +1,167 @@
+"""The command `settlement`: tables and a figure of one run or several, and a forecast."""
+import csv
+import dataclasses
+import io
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from trackbed_post import read
+from trackbed_post.settlement import course, laws, traffic
+
+POINTS = 200  # of a curve
+
+
+@dataclasses.dataclass(frozen=True)
+class Forecast:
+    """Over which traffic settlements are extrapolated. `axles` of a cycle of the run, its axle
+    load, t, `power` of the axle load in settlement, duration in days."""
+    traffic: traffic.Traffic
+    days: float
+    axles: float
+    axle_load: float = None
+    power: float = None
+
+    def cycles_per_day(self):
+        return self.traffic.axles_per_day(self.axle_load, self.power) / self.axles
+
+    def megatonnes(self):
+        return 1e-6 * self.days * self.traffic.tonnes_per_day()
+
+
+def rows_as_csv(head, rows):
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(
+        [head, *([f"{value:.9g}" if isinstance(value, float) else value for value in row]
+                 for row in rows)])
+    return text.getvalue()
+
+
+def course_as_csv(found, deck):
+    names = [stage["name"] for stage in deck["stage"]]
+    head = ["cycles", "stage", "time_s", "mean_mm",
+            *(f"sleeper_{i}_mm" for i in range(found.settled.shape[1]))]
+    return rows_as_csv(head, [
+        (int(count), names[stage], float(time), float(1e3 * settled.mean()),
+         *(float(1e3 * one) for one in settled))
+        for count, stage, time, settled in zip(found.cycles, found.stage, found.time,
+                                               found.settled)])
+
+
+def axles_as_csv(trains):
+    """The mean over the sleepers below, since single ones may be far from all wheels."""
+    rows = []
+    for number, lowest in trains:
+        for axle, under in enumerate(lowest):
+            known = np.isfinite(under)
+            if known.any():
+                rows.append((number, axle + 1, float(-1e3 * under[known].mean()),
+                             float(-1e3 * under[known].min()),
+                             float(1e3 * (lowest[0] - under)[known].mean())))
+    return rows_as_csv(("train", "axle", "mean_mm", "largest_mm", "more_than_first_axle_mm"), rows)
+
+
+def fitted(found, begin):
+    """Laws fitted to the mean of the sleepers from cycle `begin` on, computed cycles alone."""
+    use = (found.cycles >= begin) & ~found.jump
+    if use.sum() < 5:
+        raise read.Unreadable(f"only {use.sum()} computed cycles from cycle {begin:g} on: too few "
+                              "to fit laws of settlement")
+    return laws.fit(found.cycles[use], found.mean()[use])
+
+
+def table_of(name, found, fits, checks):
+    mean, cycles = found.mean(), found.cycles[-1]
+    lines = [f"{name}: {cycles:.0f} cycles, {np.count_nonzero(~found.jump) - 1} of them computed",
+             f"  settlement of the sleepers: mean {1e3 * mean[-1]:.3f} mm, largest "
+             f"{1e3 * found.settled[-1].max():.3f} mm, smallest "
+             f"{1e3 * found.settled[-1].min():.3f} mm"]
+    lines += [f"  {fit.name}: {1e3 * fit.begin:.3f} mm + {1e3 * fit.rate:.4g} mm * "
+              f"((1 + N)^b - 1)/b with b = {fit.exponent:.3g}; scatter {1e3 * fit.scatter:.2g} mm"
+              for fit in fits]
+    for check in checks:
+        lines.append(f"  jump from cycle {check.begin:.0f} to {check.end:.0f}: "
+                     f"{1e3 * check.settled:.3f} mm, estimated error {1e3 * check.error:+.3f} mm "
+                     f"(in the {check.after:.0f} cycles after it {1e3 * check.found:.3f} mm, by "
+                     f"the law {1e3 * check.expected:.3f} mm)")
+    return "\n".join(lines) + "\n"
+
+
+def forecast_curves(forecast, fits, given):
+    """{name: settlement, m, over `days`} of the fitted laws, from the begin of the run's count on,
+    and of the laws that were asked for."""
+    days = np.concatenate([[0.0], np.geomspace(forecast.days / 1e4, forecast.days, POINTS)])
+    cycles = days * forecast.cycles_per_day()
+    curves = {f"{fit.name}, fitted": fit.at(cycles) - fit.at(0.0) for fit in fits}
+    axles = days * forecast.traffic.axles_per_day(forecast.axle_load, forecast.power)
+    if given.lift is not None:
+        curves["Shenton"] = laws.shenton(axles, forecast.axle_load, 1e-3 * given.lift)
+    if given.force is not None:
+        curves["Varandas"] = np.array([laws.Varandas().settlement([1e3 * given.force], n)
+                                       for n in axles])
+    if given.subgrade is not None:
+        soil, ratio, thickness = given.subgrade
+        curves[f"Li and Selig, {thickness:g} m of {soil}"] = \
+            thickness * laws.li_selig(axles, ratio, soil)
+    return days, curves
+
+
+def forecast_table(forecast, days, curves):
+    unit = f"{forecast.days:g} days, {forecast.megatonnes():.3g} million tonnes"
+    lines = [f"forecast for {unit}, {days[-1] * forecast.cycles_per_day():.3g} cycles of the run"]
+    lines += [f"  {name}: {1e3 * settled[-1]:.2f} mm" for name, settled in curves.items()]
+    of_fits = [settled[-1] for name, settled in curves.items() if name.endswith("fitted")]
+    lines.append(f"  the fitted laws differ by {1e3 * np.ptp(of_fits):.2f} mm: settlements beyond "
+                 "the computed cycles are known no better")
+    return "\n".join(lines) + "\n"
+
+
+def draw_course(panel, name, found, fits, colour):
+    """Jumps as dotted lines; sleepers pale."""
+    from_one = np.maximum(found.cycles, 0.5)
+    panel.plot(from_one, 1e3 * found.settled, "-", color=colour, lw=0.4, alpha=0.35)
+    panel.plot(from_one, 1e3 * found.mean(), "-", color=colour, lw=1.6, label=f"{name}, mean")
+    for row in np.flatnonzero(found.jump):
+        panel.plot(found.cycles[row - 1:row + 1], 1e3 * found.mean()[row - 1:row + 1], "o:",
+                   color=colour, ms=5, mfc="white")
+    cycles = np.geomspace(1, found.cycles[-1], POINTS)
+    for fit, style in zip(fits, ("--", "-.")):
+        panel.plot(cycles, 1e3 * fit.at(cycles), style, color="0.3", lw=1,
+                   label=f"{name}, {fit.name} (b = {fit.exponent:.2g})")
+
+
+def settlement(results, folder, given, forecast=None):
+    """Writes settlement.csv, axles.csv of runs with trains, settlement.txt and settlement.png of
+    the runs `results` into `folder`; of several runs names of CSV files begin with theirs."""
+    figure, panels = plt.subplots(1, 2 if forecast else 1, figsize=(13 if forecast else 8, 5.5),
+                                  layout="constrained", squeeze=False)
+    left, text = panels[0][0], []
+    for number, path in enumerate(results):
+        run = read.results(path)
+        found = course.course_of(path)
+        fits = fitted(found, given.begin)
+        prefix = "" if len(results) == 1 else f"{run.name}_"
+        folder.file(f"{prefix}settlement.csv", course_as_csv(found, run.deck))
+        if trains := course.axles_of(path):
+            folder.file(f"{prefix}axles.csv", axles_as_csv(trains))
+        text.append(table_of(run.name, found, fits, course.checks(found, run.deck)))
+        draw_course(left, run.name, found, fits, f"C{number}")
+        if forecast:
+            days, curves = forecast_curves(forecast, fits, given)
+            text.append(forecast_table(forecast, days, curves))
+            for style, (name, settled) in zip(("--", "-.", "-", ":", "-"), curves.items()):
+                label = f"{run.name}, {name}" if name.endswith("fitted") else name
+                if number == 0 or name.endswith("fitted"):
+                    panels[0][1].plot(days, 1e3 * settled, style, label=label)
+    left.set(xscale="log", xlabel="cycles or trains", ylabel="settlement, mm",
+             title="Settlement of the sleepers (thin: each)")
+    for panel in panels[0]:
+        panel.invert_yaxis()
+        panel.grid(alpha=0.3)
+        panel.legend(fontsize=8)
+    if forecast:
+        panels[0][1].set(xlabel="days", ylabel="settlement, mm",
+                         title=f"Forecast, {forecast.traffic.tonnes_per_day() * 365.25e-6:.3g} "
+                               "million tonnes a year")
+    folder.table("settlement.txt", "\n".join(text))
+    folder.picture("settlement", figure)

@@ -1,0 +1,111 @@
+"""Settlement of the sleepers of a run from cycle to cycle, and under each axle of its trains."""
+import dataclasses
+
+import numpy as np
+
+from trackbed_post import read, train_figures
+from trackbed_post.settlement import laws
+
+
+@dataclasses.dataclass(frozen=True)
+class Course:
+    """Complete cycles (counted as by the program, jumps included), and the settlement of each
+    sleeper since the count began, m, [row, sleeper]. `stage`: number of the stage in which a row
+    lies; `jump`: whether that stage is a jump."""
+    cycles: np.ndarray
+    settled: np.ndarray
+    time: np.ndarray
+    stage: np.ndarray
+    jump: np.ndarray
+
+    def mean(self):
+        return self.settled.mean(axis=1)
+
+
+def course_of(path):
+    """A row at the begin, and one where a cycle has become complete: the first history row of the
+    next one, in which sleepers are unloaded."""
+    every, run = read.datasets(path), read.results(path)
+    if "history/traffic/cycles" not in every or "displacement" not in run.sleeper:
+        raise read.Unreadable(f"{path} has no cycles of load and no trains, or its histories have "
+                              "no sleepers (output.histories)")
+    count = every["history/traffic/cycles"].values.ravel()
+    stages = run.deck["stage"]
+    rows = list(np.flatnonzero(np.diff(count) > 0) + 1)
+    cycles = [float(count[row]) for row in rows]
+    if read.summary(path).get("finished") and (more := last_cycles(stages[run.stage[-1]])):
+        rows.append(len(count) - 1)
+        cycles.append(float(count[-1]) + more)
+    if not rows:
+        raise read.Unreadable(f"{path}: no cycle is complete")
+    # A row after the last window of a stage lies in the next one.
+    of_stage = run.stage[np.array(rows) - 1]
+    begin = int(np.argmax(run.stage == of_stage[0]))
+    rows = np.array([begin, *rows])
+    of_stage = np.array([of_stage[0], *of_stage])
+    level = run.sleeper["displacement"].values
+    return Course(np.array([0.0, *cycles]), level[begin] - level[rows], run.time[rows], of_stage,
+                  np.array([stages[k]["kind"] == "jump" for k in of_stage]))
+
+
+def last_cycles(stage):
+    """Cycles that are complete with the end of a run, after its last row."""
+    if stage["kind"] == "jump":
+        return stage["cycles"]
+    return 1 if stage["kind"] == "passage" or (stage["kind"] == "load" and stage["cycles"]) else 0
+
+
+@dataclasses.dataclass(frozen=True)
+class JumpCheck:
+    """A jump, and whether the settlement after it goes on by the law with which it was made:
+    settlements of the mean sleeper, m. `error` is an estimate of the error of `settled`: the law's
+    rate is right at the begin, wrong by `found/expected` at the end, and in between in proportion
+    to the law."""
+    begin: float     # cycles
+    end: float
+    settled: float
+    after: float     # cycles after it
+    expected: float  # settlement in these by the law
+    found: float
+
+    @property
+    def error(self):
+        if not self.expected > 0:
+            return np.nan
+        return 0.5 * (self.found / self.expected - 1) * self.settled
+
+
+def checks(course, deck):
+    """A JumpCheck of each jump with computed cycles before and after it."""
+    jump = deck.get("jump", {})
+    exponent, measured = jump.get("exponent", 0.0), jump.get("cycles", 20)
+    mean, found = course.mean(), []
+    for row in np.flatnonzero(course.jump):
+        begin, end = course.cycles[row - 1], course.cycles[row]
+        later = np.flatnonzero(course.stage == course.stage[row] + 1)
+        first = np.flatnonzero(course.cycles >= begin - measured)[0]
+        if not len(later) or course.jump[later].any():
+            continue
+        grown = laws.law(begin, exponent) - laws.law(course.cycles[first], exponent)
+        rate = (mean[row - 1] - mean[first]) / grown
+        last = later[-1]
+        expected = rate * (laws.law(course.cycles[last], exponent) - laws.law(end, exponent))
+        found.append(JumpCheck(begin, end, mean[row] - mean[row - 1], course.cycles[last] - end,
+                               expected, mean[last] - mean[row]))
+    return found
+
+
+def axles_of(path):
+    """[(number of the train, lowest displacement of each sleeper under each axle [axle, sleeper],
+    m, relative to before the train)] of all trains with wheels in the histories."""
+    every, run = read.datasets(path), read.results(path)
+    if "history/wheel/x" not in every:
+        return []
+    x = every["history/wheel/x"].values
+    x = x.reshape(len(x), -1)[:, ::2 if "history/seat/force" in every else 1]
+    there = np.flatnonzero(np.isfinite(x[:, 0]))
+    ends = np.flatnonzero((np.diff(x[there, 0]) < 0) | (np.diff(there) > 1)) + 1
+    spacing = run.deck["sleepers"]["spacing"]
+    level = run.sleeper["displacement"].values
+    return [(number + 1, train_figures.under_axles(x[rows], run.sleepers_x, level[rows], spacing))
+            for number, rows in enumerate(np.split(there, ends)) if len(rows) > 1]

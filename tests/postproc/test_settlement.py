@@ -1,0 +1,116 @@
+"""Laws of settlement against published numbers, their fit, traffic, and the check of a jump."""
+import types
+
+import numpy as np
+import pytest
+
+from trackbed_post import read
+from trackbed_post.settlement import course, laws, traffic
+
+
+def test_varandas_settles_by_the_published_values():
+    law = laws.Varandas()
+    assert 1e3 * law.settlement([50e3], 1e5) == pytest.approx(6.3329, abs=5e-5)
+    assert 1e3 * law.settlement([50e3], 1e6) == pytest.approx(10.0, abs=5e-5)
+
+
+def test_varandas_equals_its_sum_force_by_force():
+    law, peaks, trains = laws.Varandas(), [50e3, 30e3, 30e3, 10e3], 40
+    levels = np.linspace(0, 60e3, 6001)
+    middle, width = 0.5 * (levels[1:] + levels[:-1]), np.diff(levels)
+    exceeded, done = np.zeros(len(middle)), 0.0
+    for peak in peaks * trains:
+        below = middle < peak
+        done += np.sum(middle[below] ** law.alpha * (exceeded[below] + 1) ** -law.beta
+                       * width[below])
+        exceeded[below] += 1
+    whole = law.force ** (law.alpha + 1) / (law.alpha + 1) * np.sum(
+        np.arange(1.0, law.count + 1) ** -law.beta)
+    assert law.settlement(peaks, trains) == pytest.approx(law.reference * done / whole, rel=1e-5)
+
+
+def test_order_of_the_forces_does_not_matter():
+    law = laws.Varandas()
+    assert law.settlement([10e3, 50e3, 30e3], 7) == law.settlement([50e3, 30e3, 10e3], 7)
+
+
+@pytest.mark.parametrize("exponent", (0.5, 0.82, 1.0, 1.3))
+def test_sum_of_powers_is_exact(exponent):
+    for count in (1, 999, 1001, 5000, 100000):
+        terms = np.arange(1.0, count + 1) ** -exponent
+        assert laws.sum_of_powers(count, exponent) == pytest.approx(terms.sum(), rel=1e-11)
+
+
+def test_li_selig_strains_by_the_published_value():
+    assert 1e2 * laws.li_selig(1e6, 0.4, "CL") == pytest.approx(1.6051, abs=5e-5)
+
+
+def test_shenton_by_hand():
+    # 20 t, lift 10 mm, a million axles: 1.1 (0.97 10^1.2 + 2.7) mm
+    assert 1e3 * laws.shenton(1e6, 20, 10e-3) == pytest.approx(1.1 * (0.97 * 10 ** 1.2 + 2.7))
+
+
+@pytest.mark.parametrize("exponent", (0.0, 0.2, 0.7))
+def test_fit_finds_the_exponent(exponent):
+    count = np.arange(1.0, 200)
+    settled = 1e-3 + 2e-4 * laws.law(count, exponent)
+    logarithm, power = laws.fit(count, settled)
+    assert power.exponent == pytest.approx(exponent, abs=2.6e-3)
+    assert power.at(1e4) == pytest.approx(1e-3 + 2e-4 * laws.law(1e4, exponent), rel=2e-2)
+    assert (logarithm.scatter < 1e-12) == (exponent == 0)
+
+
+def test_a_good_jump_has_no_error_and_one_too_far_is_found():
+    """Of a settlement by the logarithm; after the second jump it goes on at twice its rate."""
+    cycles = np.concatenate([np.arange(0, 41), [100], np.arange(101, 141), [400],
+                             np.arange(401, 441)]).astype(float)
+    settled = 1e-3 * np.log1p(cycles)
+    settled[cycles > 400] = settled[cycles == 400] + 2e-3 * (np.log1p(cycles[cycles > 400])
+                                                             - np.log(401))
+    stage = np.concatenate([np.full(41, 1), [2], np.full(40, 3), [4], np.full(40, 5)])
+    found = course.Course(cycles, settled[:, None], cycles, stage, np.isin(stage, (2, 4)))
+    first, second = course.checks(found, {"jump": {"cycles": 20, "exponent": 0.0}})
+    assert first.error == pytest.approx(0, abs=1e-12)
+    assert second.found == pytest.approx(2 * second.expected)
+    assert second.error == pytest.approx(0.5 * second.settled)
+
+
+def test_traffic_counts_axles_and_tonnes(tmp_path):
+    table = tmp_path / "traffic.csv"
+    table.write_text("name,trains_per_day,axles,axle_load_t\nfreight,10,100,20\ncoach,50,32,10\n",
+                     encoding="utf-8")
+    found = traffic.traffic_from(table)
+    assert found.tonnes_per_day() == 10 * 100 * 20 + 50 * 32 * 10
+    assert found.axles_per_day() == 2600
+    assert found.axles_per_day(20, 2) == pytest.approx(1000 + 1600 / 4)
+    with pytest.raises(read.Unreadable, match="--load-exponent"):
+        found.axles_per_day(20)
+
+
+@pytest.mark.parametrize("text, words", (
+    ("axles,axle_load_t\n4,20\n", "no column trains_per_day"),
+    ("trains_per_day,axles,axle_load_t\n", "no trains"),
+    ("trains_per_day,axles,axle_load_t\n-1,4,20\n", "trains_per_day must be a number above 0"),
+    ("trains_per_day,axles,axle_load_t\n1,4,x\n", "axle_load_t must be a number above 0")))
+def test_bad_traffic_is_refused(tmp_path, text, words):
+    table = tmp_path / "traffic.csv"
+    table.write_text(text, encoding="utf-8")
+    with pytest.raises(read.Unreadable, match=words):
+        traffic.traffic_from(table)
+
+
+def test_forecast_of_days_and_tonnes():
+    from trackbed_post.settlement import command
+    trains = traffic.Traffic((traffic.Trains("freight", 10, 100, 20),))
+    forecast = command.Forecast(trains, 100.0, 4.0, 20.0)
+    assert forecast.cycles_per_day() == 250
+    assert forecast.megatonnes() == pytest.approx(2)
+    fits = laws.fit(np.arange(1.0, 100), 1e-3 * laws.law(np.arange(1.0, 100), 0.0))
+    given = types.SimpleNamespace(lift=10.0, force=50.0, subgrade=("CL", 0.4, 1.5))
+    days, curves = command.forecast_curves(forecast, fits, given)
+    assert days[-1] == 100
+    assert curves["logarithm, fitted"][-1] == pytest.approx(1e-3 * np.log1p(25000))
+    assert 1e3 * curves["Varandas"][-1] == pytest.approx(6.3329, abs=5e-5)
+    assert curves["Shenton"][-1] == pytest.approx(laws.shenton(1e5, 20, 10e-3))
+    assert curves["Li and Selig, 1.5 m of CL"][-1] == pytest.approx(1.5 * laws.li_selig(1e5, 0.4,
+                                                                                       "CL"))
