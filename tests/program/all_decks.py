@@ -13,23 +13,22 @@ import xml.etree.ElementTree as ET
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "support"))
-from program import Program, expect, summary  # noqa: E402
+from program import Program, cell_of, expect, summary  # noqa: E402
 
 SHORT = ["stage.fill.duration=0.06", "stage.compact.duration=0.01", "stage.release.duration=0.005",
          "stage.sleepers.duration=0.01", "stage.bed_in.duration=0.02", "stage.bed_in.cycles=1",
          "stage.bed_in.load=40e3", "stage.trains.cycles=1", "load.speed=900", "load.peak=40e3",
          "output.fields=false", "output.checkpoint_interval=0"]
 STAGES = ["fill", "compact", "release", "sleepers", "bed_in", "trains", "moving_train", "passage"]
-# Decks that repeat a cell which another deck makes: all but its absence is checked.
-OF_CELLS = {"tile.toml", "track.toml", "quickstart.toml", "netirail_stones.toml"}
 
 
 def check(program, deck, folder):
-    """The report of a deck that is not accepted or not drawn, or nothing."""
+    """The report of a deck that is not accepted or not drawn, or nothing. Of one that repeats a
+    cell which another deck makes all but its absence is checked."""
     drawing = folder / f"{deck.parent.name}_{deck.stem}.svg"
     ran = program(1, "check", deck, "--draw", drawing)
     lines = ran.stderr.strip().splitlines()
-    absent = (deck.name in OF_CELLS and ran.returncode == 2 and len(lines) == 1
+    absent = (cell_of(deck) and ran.returncode == 2 and len(lines) == 1
               and "bed.cell" in lines[0] and "does not exist" in lines[0])
     if absent:
         return ""

@@ -6,6 +6,7 @@ import os
 import pathlib
 import subprocess
 import tempfile
+import tomllib
 
 
 @contextlib.contextmanager
@@ -57,6 +58,12 @@ def expect(holds, what, ran):
     """Fails with `what` and the output of the run `ran` unless `holds`."""
     if not holds:
         raise SystemExit(f"{what}\ncode {ran.returncode}\n{ran.stdout[-2000:]}\n{ran.stderr}")
+
+
+def cell_of(deck):
+    """What a deck names as the run whose stones it copies, or nothing."""
+    with open(deck, "rb") as file:
+        return tomllib.load(file).get("bed", {}).get("cell", "")
 
 
 def summary(folder):

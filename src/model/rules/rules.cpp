@@ -345,9 +345,13 @@ void declare_intervals(const Model& model, input::Section& s) {
                        stage.name, stage.duration),
            {.severity = input::Severity::warning, .reads = {"time.window", "stage"}});
   constexpr double fewest = 4;  // windows in a cycle: zero, rise, peak, fall
+  s.rule("jump.period", !model.has_stage(StageKind::jump) || model.jump.period >= fewest * window,
+         fmt::format("is less than {:g} time windows of about {:.2g} s; give a longer period",
+                     fewest, window),
+         {.reads = {"jump", "stage", "time", "dem", "bed", "contact"}});
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     const Stage& stage = model.stages[i];
-    if (stage.cycles < 1 || stage.duration <= 0) continue;
+    if (stage.cycles < 1 || stage.duration <= 0 || stage.kind == StageKind::jump) continue;
     const double cycle = stage.duration / static_cast<double>(stage.cycles);
     s.rule(fmt::format("stage[{}].cycles", i), cycle >= fewest * window,
            fmt::format("gives cycles of {:.2g} s, which a time window of about {:.2g} s or more "
