@@ -152,6 +152,16 @@ struct FastParticle {
   double travel, radius;  // m; the smallest radius of its pieces
 };
 
+// What ranks would have to do if there were more of them; of the busiest one and of the mean. Work
+// is counted as for the load balance, ns in a sub-step on one core.
+struct Decomposition {
+  double work_most = 0, work_mean = 0;              // ns, of a rank, ghosts included
+  double particles_most = 0, particles_mean = 0;    // own
+  double ghosts_most = 0, ghosts_mean = 0;          // received in each sub-step
+  double neighbours_most = 0, neighbours_mean = 0;  // ranks that send them
+  double bytes_most = 0, bytes_mean = 0;            // received in each sub-step
+};
+
 // How the particles of a checkpoint are repeated along x to fill a domain.
 struct Tiling {
   std::int64_t copies = 1;
@@ -188,6 +198,9 @@ class Particles {
   void make_lists();
   double imbalance() const;  // work of the busiest rank over the mean, now; collective
   Balance balance() const;
+  // A partition of the present particles into `parts`, as on as many ranks. Only on one rank, which
+  // must have lists.
+  Decomposition decomposition(int parts) const;
 
   // Surfaces that act on the particles from now on, on every rank in the same order; they must
   // outlive their use. The contact history with a surface is kept as long as a surface of this name

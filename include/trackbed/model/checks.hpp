@@ -58,6 +58,7 @@ struct StagesToCheck {
   std::string ground;  // GroundFile::size
   const StonesToPlace& placed;
   const StonesOfLayers& stones;
+  const std::vector<int>& ranks;  // for which the work is to be stated
 };
 // Builds the model as far as possible without moving it, and prints its properties, an estimate of
 // the run, and the memory. Collective.

@@ -169,6 +169,10 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   Warnings warnings{comm};
   const model::Model model = read_model(deck, warnings);
+  if (!arguments.ranks.empty() && (model.bed.cell.empty() || comm.size() > 1))
+    throw InputError(
+        {"--ranks: needs a deck whose stones are copies of a cell (bed.cell), and one "
+         "rank: other stones have no places before the run"});
   if (!model.has_stages()) {
     if (const model::GroundFile ground = checked_ground(model, deck, warnings);
         !ground.size.empty())
@@ -188,7 +192,8 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   warnings.add(model::warnings_of(model, stones));
   look_at_cell(model, deck, warnings);
   look_at_profiles(model, warnings);
-  model::check_stages(comm, model, {deck, arguments.deck, start, ground.size, to_place, stones});
+  model::check_stages(
+      comm, model, {deck, arguments.deck, start, ground.size, to_place, stones, arguments.ranks});
   draw(comm, arguments.drawing, model, to_place.shapes, arguments.deck);
   print(comm, arguments.deck + " is valid\n");
   return static_cast<int>(ExitCode::success);

@@ -17,6 +17,7 @@ struct Arguments {
   std::vector<std::string> overrides;  // key=value
   std::string folder;                  // -o; empty: chosen; kernel: a file
   std::string drawing;                 // check: file to draw the model into
+  std::vector<int> ranks;              // check: for which the work is stated
   ShapeArguments shapes;
   model::KernelParameters kernel;
   bool force = false;      // run: results of an earlier run may be removed

@@ -163,6 +163,11 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
   sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
   with_overrides(sub)->add_option("--draw", arguments.drawing,
                                   "Draw the model, seen from the side, into this file (.svg)");
+  sub->add_option("--ranks", arguments.ranks,
+                  "Numbers of ranks, separated by commas, for which the work is stated (decks with "
+                  "bed.cell)")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 65536));
   sub = command("describe", "Print the reference of all parameters, or of one section", describe);
   sub->add_option(
       "section", arguments.section,

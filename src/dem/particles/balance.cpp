@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <set>
 #include <unordered_map>
 
 #include "dem/particles/impl.hpp"
+#include "trackbed/core/error.hpp"
 
 namespace trackbed::dem {
 
@@ -141,11 +144,17 @@ void Particles::Impl::visit_work(Visit&& visit) const {
 // ns per sub-step of a particle without its contacts.
 double Particles::Impl::upkeep(std::size_t b) const {
   const bool spheres = shapes.only_spheres();
-  // A ghost is sent, received and placed, but not advanced in time.
-  double cost = b >= state.own ? ghost_cost : spheres ? sphere_cost : body_cost;
-  if (spheres) return cost;
+  if (b >= state.own) return ghost_upkeep(b);
+  if (spheres) return sphere_cost;
   const std::size_t pieces_of_it = shapes.end(state.shape[b]) - shapes.begin(state.shape[b]);
-  return cost + piece_cost * static_cast<double>(pieces_of_it);
+  return body_cost + piece_cost * static_cast<double>(pieces_of_it);
+}
+
+// A ghost is sent, received and placed, but not advanced in time.
+double Particles::Impl::ghost_upkeep(std::size_t b) const {
+  if (shapes.only_spheres()) return ghost_cost;
+  const std::size_t pieces_of_it = shapes.end(state.shape[b]) - shapes.begin(state.shape[b]);
+  return ghost_cost + piece_cost * static_cast<double>(pieces_of_it);
 }
 
 // The work of each own particle according to the rank's lists, ns per sub-step. Local. Half of each
@@ -202,6 +211,74 @@ double Particles::imbalance() const {
   const Impl& r = *impl_;
   const double mine = r.load(), mean = r.comm.sum(mine) / r.comm.size();
   return mean > 0 ? r.comm.max(mine) / mean : 1;
+}
+
+namespace {
+
+// Largest and mean of a number of each part.
+void most_and_mean(const std::vector<double>& of_parts, double& most, double& mean) {
+  most = *std::max_element(of_parts.begin(), of_parts.end());
+  mean =
+      std::accumulate(of_parts.begin(), of_parts.end(), 0.0) / static_cast<double>(of_parts.size());
+}
+
+}  // namespace
+
+// Parts besides its own that have cells within reach of the particle: they get it as a ghost. Those
+// of small particles beside large ones (add_small_beside_large) are left out.
+std::vector<int> Particles::Impl::other_parts(std::size_t b, const Grid& partitioned) const {
+  std::vector<int> found;
+  const Vec3 at = state.x[b].vec3();
+  if (!at.allFinite()) return found;
+  const double reach = state.x[b].w +
+                       partitioned.levels()[partitioned.level_of(state.x[b].w)].bound +
+                       partitioned.skin();
+  const int own = partitioned.owner_at(at);
+  partitioned.levels()[0].lattice.around(
+      partitioned.wrapped(at, partitioned.locate(at).wrap), reach,
+      [&](const Cell& cell, const Cell&) {
+        const int part = partitioned.owner(cell);
+        if (part != own && std::find(found.begin(), found.end(), part) == found.end())
+          found.push_back(part);
+      });
+  return found;
+}
+
+// A contact between two parts is computed in both, as between ranks.
+Decomposition Particles::decomposition(int parts) const {
+  const Impl& r = *impl_;
+  require(r.comm.size() == 1 && r.ready, "a decomposition needs one rank with lists");
+  Grid partitioned = r.grid;
+  partitioned.partition(r.by_cell(r.work()), parts);
+  const auto count = static_cast<std::size_t>(parts);
+  std::vector<double> work(count, 0), own(count, 0), ghosts(count, 0), neighbours(count, 0);
+  std::vector<std::size_t> part_of(r.state.own);
+  std::set<std::pair<int, std::size_t>> meets;
+  for (std::size_t b = 0; b < r.state.own; ++b) {
+    const std::size_t mine = part_of[b] =
+        static_cast<std::size_t>(partitioned.owner_at(r.state.x[b].vec3()));
+    work[mine] += r.upkeep(b), ++own[mine];
+    for (const int other : r.other_parts(b, partitioned)) {
+      const auto there = static_cast<std::size_t>(other);
+      work[there] += r.ghost_upkeep(b), ++ghosts[there];
+      meets.insert({other, mine});
+    }
+  }
+  for (const auto& [to, from] : meets) ++neighbours[static_cast<std::size_t>(to)];
+  r.visit_work([&](std::size_t i, std::size_t j, double ns) {
+    if (i >= r.state.own || j >= r.state.own) return;  // images beyond a periodic side
+    work[part_of[i]] += ns;
+    if (part_of[j] != part_of[i]) work[part_of[j]] += ns;
+  });
+  std::vector<double> bytes = ghosts;
+  for (double& one : bytes) one *= static_cast<double>(r.bytes_of_ghost());
+  Decomposition found;
+  most_and_mean(work, found.work_most, found.work_mean);
+  most_and_mean(own, found.particles_most, found.particles_mean);
+  most_and_mean(ghosts, found.ghosts_most, found.ghosts_mean);
+  most_and_mean(neighbours, found.neighbours_most, found.neighbours_mean);
+  most_and_mean(bytes, found.bytes_most, found.bytes_mean);
+  return found;
 }
 
 // A partition that is uneven because it cannot be better is left unchanged. Collective: every rank

@@ -116,6 +116,7 @@ struct Particles::Impl {
   void rebuild();
   void migrate(std::vector<History>& history);
   void find_ghosts();
+  std::size_t bytes_of_ghost() const;  // sent to it in each sub-step
   void update_ghosts();
   void sort_own();
   void derive(std::size_t begin);  // masses, inertias, radii of particles from `begin` on
@@ -197,6 +198,8 @@ struct Particles::Impl {
   double load() const;                       // the same of this rank, including ghosts; local
   std::vector<double> by_cell(const std::vector<double>& work) const;
   double upkeep(std::size_t b) const;
+  double ghost_upkeep(std::size_t b) const;
+  std::vector<int> other_parts(std::size_t b, const Grid& partitioned) const;
   template <class Visit>
   void visit_work(Visit&& visit) const;
 

@@ -281,6 +281,10 @@ void Particles::Impl::update_ghosts() {
     forward<false>(halo, state);
 }
 
+std::size_t Particles::Impl::bytes_of_ghost() const {
+  return turns() ? sizeof(Motion<true>) : sizeof(Motion<false>);
+}
+
 double Particles::Impl::stiffest_contact(double radius) const {
   return dem::stiffest_contact(physics, radius, parameters.largest_overlap);
 }

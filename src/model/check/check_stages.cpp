@@ -6,6 +6,7 @@
 
 #include "model/check/estimate.hpp"
 #include "model/check/placed_check.hpp"
+#include "model/check/scaling.hpp"
 #include "model/scheme/staged_log.hpp"
 #include "trackbed/model/checks.hpp"
 
@@ -33,6 +34,8 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
                     totals.particles, totals.pieces, totals.mass));
     for (const std::string& line : estimate(world, actions, given.stones, given.deck))
       say(comm, line);
+    if (!given.ranks.empty())
+      for (const std::string& line : scaling_of(world, given.ranks)) say(comm, line);
   } else {
     say(comm, "  stones: as in " + given.start + "");
   }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "dem/search/grid.hpp"
@@ -251,6 +252,47 @@ TEST(Split, AGraphWithFewerVerticesThanPartsIsLeftToBisection) {
   const double bound[] = {0.05};
   dem::Grid grid(test::box({0, 0, 0}, {0.1, 0.1, 0.1}), bound, 0.0, many);
   EXPECT_EQ(grid.partition({1.0}, 3), 3.0);  // one rank does all the work
+}
+
+// A partition made on one rank is the one that as many ranks have, and so is its work but for small
+// ghosts beside large stones.
+TEST(Decomposition, IsThatOfAsManyRanks) {
+  const par::Comm world = par::Comm::world();
+  Heap alone(par::Comm::self()), together(world);
+  alone.run(3), together.run(3);
+  alone.particles.make_lists();
+  const dem::Decomposition planned = alone.particles.decomposition(world.size());
+  together.particles.repartition();
+  together.particles.make_lists();
+  const auto own = static_cast<double>(together.particles.size());
+  EXPECT_EQ(world.max(own), planned.particles_most);
+  EXPECT_EQ(world.sum(own), planned.particles_mean * world.size());
+  EXPECT_NEAR(together.particles.imbalance(), planned.work_most / planned.work_mean, 0.05);
+  EXPECT_EQ(planned.ghosts_mean > 0, world.size() > 1);
+  EXPECT_EQ(planned.neighbours_most > 0, world.size() > 1);
+  EXPECT_LE(planned.neighbours_most, world.size() - 1);
+}
+
+// Balls in a row of cells: a part receives those within reach beyond its ends.
+TEST(Decomposition, CountsGhostsOfARow) {
+  dem::Particles particles(par::Comm::self(), test::one_material(rough()), {.skin = 0.002},
+                           test::box({0, 0, 0}, {2, 0.1, 0.1}));
+  particles.add_template(test::sphere());
+  std::vector<dem::NewParticle> row;
+  for (int k = 0; k < 40; ++k)
+    row.push_back({.id = k, .scale = 0.02, .position = {0.025 + 0.05 * k, 0.05, 0.05}});
+  particles.add(row);
+  particles.make_lists();
+  const dem::Decomposition two = particles.decomposition(2);
+  EXPECT_EQ(two.particles_mean, 20);
+  EXPECT_EQ(two.neighbours_most, 1);
+  EXPECT_GE(two.ghosts_mean, 0.5);  // the cut may be anywhere between two balls
+  EXPECT_LE(two.ghosts_most, 1);
+  EXPECT_EQ(two.bytes_mean / two.ghosts_mean, std::round(two.bytes_mean / two.ghosts_mean));
+  const dem::Decomposition one = particles.decomposition(1);
+  EXPECT_EQ(one.ghosts_most, 0);
+  EXPECT_EQ(one.particles_most, 40);
+  EXPECT_LT(two.work_most, one.work_most);
 }
 
 }  // namespace

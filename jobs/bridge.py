@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+"""Compares designs of a transition zone: inputs/track/bridge.toml and its variants.
+
+    bridge.py PROGRAM FOLDER [--ranks N]
+
+Runs the deck and its variants, each from the last stage that it shares with the deck, and draws
+FOLDER/bridge.png with the table bridge.md (docs/bridge.md). The signal of the accelerometer on a
+sleeper is evaluated like one from a track, in FOLDER/monitor. Finished runs are kept.
+"""
+import argparse
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "postproc"))
+import matplotlib  # noqa: E402
+
+matplotlib.use("Agg")
+import h5py  # noqa: E402
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+from trackbed_post import read, write  # noqa: E402
+
+DECK = ROOT / "inputs" / "track" / "bridge.toml"
+BASE, SENSOR = "wedge", 5  # of the sleepers: above the wedge
+# Rest before and after the train, which the evaluation of the accelerometer needs.
+LONG = ("train.start=-33", "track.length=33.6")
+SEATED, BEDDED = "stage_release.h5", "stage_bed_in.h5"
+# Name -> (checkpoint of the deck from which it starts, what is different).
+VARIANTS = {
+    BASE: (None, LONG),
+    "no wedge": (BEDDED, ("ground.block.wedge.present=false",)),
+    "under-sleeper pads": (BEDDED, ("contact.1.k_n=1.5e6", "contact.1.k_s=0.9e6")),
+    "wide, heavy sleepers": (SEATED, ("sleepers.width=0.35", "material.1.density=3000")),
+    "glued ballast": (BEDDED, ("bond.glue.present=true",))}
+
+
+def run_all(program, folder, ranks):
+    for name, (start, words) in VARIANTS.items():
+        place = folder / name.replace(", ", "_").replace(" ", "_")
+        words = list(words)
+        if start:
+            words.append(f"start='{folder / BASE / start}'")
+        print(f"{name}:", flush=True)
+        command = ["mpirun", "-n", str(ranks), "--oversubscribe", program, "run", DECK, "-o", place,
+                   "--or-resume", *words]
+        code = subprocess.run(list(map(str, command)), check=False, stdin=subprocess.DEVNULL,
+                              stdout=subprocess.DEVNULL).returncode
+        if code:
+            sys.exit(code)
+        yield name, Passage(name, place)
+
+
+class Passage:
+    """The last stage of a run: motion of the sleepers from its begin, m, forces of the wheels, N."""
+
+    def __init__(self, name, place):
+        self.name, self.place, run = name, place, read.results(place)
+        rows = slice(*run.passage().indices(len(run.time))[:2])
+        self.x, self.time = run.sleepers_x, run.time[rows]
+        level = run.sleeper["displacement"].values[rows]
+        self.motion = level - level[0]
+        self.acceleration = run.sleeper["acceleration"].values[rows]
+        with h5py.File(place / "results.h5") as file:
+            wheel, force = (file[f"history/wheel/{name}"][rows] for name in ("x", "force"))
+        near = (wheel >= self.x[0]) & (wheel <= self.x[-1])
+        self.forces = force[near]
+        self.breakage = json.loads((place / "summary.json").read_text(encoding="utf-8"))["breakage"]
+
+    def lowest(self):
+        return -1e3 * self.motion.min(axis=0)
+
+    def settled(self):
+        return -1e3 * self.motion[-1]
+
+    def numbers(self):
+        """Name -> value; mm, kN, mm/m."""
+        spacing = self.x[1] - self.x[0]
+        return {"largest deflection, mm": self.lowest().max(),
+                "steepest change of it, mm/m": np.abs(np.diff(self.lowest())).max() / spacing,
+                "settlement by the train, mean, mm": self.settled().mean(),
+                "largest, mm": self.settled().max(),
+                "largest difference of neighbours, mm": np.abs(np.diff(self.settled())).max(),
+                "wheel force, least, kN": 1e-3 * self.forces.min(),
+                "largest, kN": 1e-3 * self.forces.max(),
+                "stones that split": self.breakage["splits"]}
+
+
+def table(passages):
+    """Markdown; two rows are called `largest`, hence pairs instead of a dictionary."""
+    rows = [list(one.numbers().items()) for one in passages]
+    lines = [f"| | {' | '.join(one.name for one in passages)} |", "|---" * (len(rows) + 1) + "|"]
+    for number, (name, _) in enumerate(rows[0]):
+        values = [row[number][1] for row in rows]
+        lines.append(f"| {name} | " + " | ".join(
+            f"{value:d}" if isinstance(value, int) else f"{value:.2f}" if value < 50 else
+            f"{value:.1f}" for value in values) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def draw(passages):
+    figure, (down, left) = plt.subplots(2, 1, figsize=(8, 7), sharex=True, layout="constrained")
+    for one in passages:
+        down.plot(one.x, one.lowest(), "o-", ms=4, label=one.name)
+        left.plot(one.x, one.settled(), "o-", ms=4, label=one.name)
+    down.set(ylabel="largest deflection, mm", title="Sleepers under three wagons: bridge (grey), "
+             "wedge, embankment")
+    left.set(ylabel="settlement by the train, mm", xlabel="x, m")
+    for panel in (down, left):
+        panel.invert_yaxis()
+        panel.axvspan(0, 1.5, color="0.35", alpha=0.3, lw=0)
+        panel.axvspan(1.5, 4.5, color="tab:green", alpha=0.1, lw=0)
+        panel.grid(alpha=0.3)
+    down.legend(fontsize=8)
+    return figure
+
+
+def monitor(passage, folder):
+    """Evaluates the acceleration of the sensor's sleeper; returns (largest displacement found and
+    true, settlement found and true), mm. The train's begin, when its rail is laid, is left out."""
+    signals = folder / "signals"
+    write.folder(signals)
+    from_laying = passage.time - passage.time[0] > 0.1
+    since, motion = passage.time[from_laying], 1e3 * passage.motion[from_laying, SENSOR]
+    even = np.arange(since[0], since[-1], 1 / 5000)
+    acceleration = np.interp(even, since, passage.acceleration[from_laying, SENSOR])
+    with open(signals / "train.csv", "w", encoding="utf-8") as file:
+        file.write("time_s,a_m_s2\n")
+        file.writelines(f"{t - even[0]:.6f},{a:.9g}\n" for t, a in zip(even, acceleration))
+    speed = read.results(passage.place).deck["train"]["speed"]
+    (signals / "passages.csv").write_text(f"file,speed_m_s\ntrain.csv,{speed}\n", encoding="utf-8")
+    subprocess.run([sys.executable, ROOT / "postproc", "monitor", signals, "-o",
+                    folder / "monitor", "--noise", "1e-3"], check=True, stdout=subprocess.DEVNULL)
+    with open(folder / "monitor" / "monitor.csv", encoding="utf-8") as file:
+        (row,) = csv.DictReader(file)
+    return (float(row["peak_mm"]), motion[0] - motion.min(), float(row["settlement_mm"]),
+            motion[0] - motion[-1])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("program", type=pathlib.Path)
+    parser.add_argument("folder", type=lambda text: pathlib.Path(text).resolve())
+    parser.add_argument("--ranks", type=int, default=2)
+    given = parser.parse_args()
+    passages = [passage for _, passage in run_all(given.program.resolve(), given.folder,
+                                                  given.ranks)]
+    folder = write.Folder(given.folder, write.origin_of([one.place for one in passages]))
+    folder.picture("bridge", draw(passages))
+    found = monitor(passages[0], given.folder)
+    folder.table("bridge.md", table(passages) + "\nAccelerometer on sleeper {} of \"{}\": largest "
+                 "displacement {:.2f} mm, true {:.2f} mm; settlement {:.2f} mm, true {:.2f} mm.\n"
+                 .format(SENSOR, BASE, *found))
+    for path in folder.pictures:
+        print(path)
+    print(folder.tables[0])
+
+
+if __name__ == "__main__":
+    main()
