@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "model/rules/limits.hpp"
 #include "trackbed/bed/library.hpp"
@@ -21,11 +22,14 @@ namespace trackbed::model {
 
 namespace {
 
-// s of wall time of one sub-step on one core, per stone and per piece; only for an estimate. Linear
-// fit to runs of the decks in inputs/ on idle cores: single spheres, and stones of about 20
-// pebbles; pieces with corners from inputs/bench/stones12 and compound, 1.8e6 and 0.7e6 stones per
-// second.
-constexpr double time_per_stone = 75e-9, time_per_ball = 15e-9, time_per_polyhedron = 450e-9;
+// s of wall time of one sub-step on one core, per stone and per piece; only for an estimate. From
+// runs of the decks in inputs/ on idle cores: single spheres, and stones of about 20 pebbles, in
+// space and in a plane; pieces with corners lie between inputs/track/bridge (230 ns) and
+// inputs/bench/stones12 (480 ns), whose stones have more contacts.
+constexpr double time_per_stone = 75e-9, time_per_polyhedron = 330e-9;
+constexpr double time_per_ball(Dimension dimension) {
+  return dimension == Dimension::plane ? 5e-9 : 15e-9;
+}
 
 struct Cut {
   double crest = 0;           // m; 0: nothing is cut
@@ -84,7 +88,7 @@ double step_time(const par::Comm& comm, const bed::BedParameters& layer, Dimensi
   double sum = 0;
   for (const dem::Template& shape : shapes)
     for (const dem::Piece& piece : shape.pieces)
-      sum += piece.core.vertices.size() > 1 ? time_per_polyhedron : time_per_ball;
+      sum += piece.core.vertices.size() > 1 ? time_per_polyhedron : time_per_ball(dimension);
   return time_per_stone + sum / static_cast<double>(std::max<std::size_t>(1, shapes.size()));
 }
 
@@ -158,7 +162,7 @@ std::vector<LayerForecast> forecast(const World& world, const StonesOfLayers& st
     const auto made = static_cast<double>(layer.made);
     cut.stone = radius_of(area * bed.height * (1 - bed.porosity) / made, model.dimension);
     layer.left = std::llround(fraction_left(model, cut, low, low + bed.height) * made);
-    layer.step_time = step_time(comm, bed, model.dimension) * made;
+    layer.step_time = step_time(comm, bed, model.dimension);
     layers.push_back(layer);
     low += bed.height;
   }
@@ -176,15 +180,20 @@ std::vector<std::string> estimate(const World& world, const StageActions& action
   for (const LayerForecast& layer : layers)
     if (layers.size() > 1 || !layer.layer.empty() || layer.left != layer.made)
       lines.push_back(sentence_of(layer, cut_of(model)));
-  double seconds = 0, step_time = 0, longest = 0, all_windows = 0;
-  std::size_t filled = 0;
+  double seconds = 0, longest = 0, all_windows = 0;
+  std::size_t filled = 0;       // layers
+  bool trimmed = false;         // to the profile or the sleepers
   std::string shared, numbers;  // of the stages since the limits changed
   StonesOfLayers poured;        // up to this stage
   for (const Stage& stage : model.stages) {
     if (stage.kind == StageKind::fill) {
-      step_time += layers[filled++].step_time;
+      ++filled;
       if (const auto layer = stones.find(stage.layer); layer != stones.end()) poured.insert(*layer);
     }
+    trimmed = trimmed || stage.profile > 0 || stage.kind == StageKind::sleepers;
+    double step_time = 0;
+    for (const LayerForecast& layer : std::span(layers).first(filled))
+      step_time += layer.step_time * static_cast<double>(trimmed ? layer.left : layer.made);
     const StonesStep longest_step = poured.empty() ? step_of(world) : step_of(model, poured);
     const Steps steps = choose_steps(world, longest_step, stage, deck);
     const double windows = actions.duration(stage) / steps.window;
@@ -200,13 +209,13 @@ std::vector<std::string> estimate(const World& world, const StageActions& action
                            stage.name, windows);
   }
   lines.push_back(shared + "  " + numbers);
-  lines.push_back(
-      fmt::format("estimated wall time on {} rank{}: {} (assumes that nothing else runs on the "
-                  "cores, that a sub-step costs {:.0f} ns for each stone, {:.0f} ns for each ball "
-                  "and {:.0f} ns for each polyhedron of a stone, and that stages have their full "
-                  "duration; ground, coupling and output are not included)",
-                  comm.size(), comm.size() > 1 ? "s" : "", estimate_words(seconds),
-                  time_per_stone * 1e9, time_per_ball * 1e9, time_per_polyhedron * 1e9));
+  lines.push_back(fmt::format(
+      "estimated wall time on {} rank{}: {} (assumes that nothing else runs on the "
+      "cores, that a sub-step costs {:.0f} ns for each stone, {:.0f} ns for each ball "
+      "and {:.0f} ns for each polyhedron of a stone, and that stages have their full "
+      "duration; ground, coupling and output are not included)",
+      comm.size(), comm.size() > 1 ? "s" : "", estimate_words(seconds), time_per_stone * 1e9,
+      time_per_ball(model.dimension) * 1e9, time_per_polyhedron * 1e9));
   for (const std::string& line : warning_of_ground_steps(world, longest)) lines.push_back(line);
   lines.push_back(
       fmt::format("histories: up to {:.2g} MB", size_of_histories(model, actions, all_windows)));

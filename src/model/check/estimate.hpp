@@ -16,7 +16,7 @@ struct LayerForecast {
   std::string layer;      // name; empty: the uppermost one
   std::int64_t made = 0;  // stones that its stage of kind fill pours: exact
   std::int64_t left = 0;  // stones below the last profile and beside the sleepers: expected
-  double step_time = 0;   // s of one core for a sub-step of all `made` stones
+  double step_time = 0;   // s of one core for a sub-step of a stone
 };
 
 // For each stage of kind fill, in order; copies of a cell are counted in `world`. `left` is correct
