@@ -17,6 +17,8 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from part import run_checks  # noqa: E402
 from program import Program, expect, summary  # noqa: E402
+import results  # noqa: E402, F401  # finds trackbed_post
+from trackbed_post import read  # noqa: E402
 
 
 def check_other_models(program, deck, folder):
@@ -153,6 +155,14 @@ def check_run_error(program, deck, folder):
     ran = program(1, "run", deck, "dem.largest_overlap=1e-9", "-o", folder / "overlap")
     expect(ran.returncode == 4, "a run-time error must end with 4", ran)
     expect("checkpoint" in ran.stderr, "it must name the last good checkpoint or report none", ran)
+    # What can be seen of the failure: fields of the moment, and the histories up to it.
+    for ranks in (1, 2):
+        place = folder / f"overlap_{ranks}"
+        ran = program(ranks, "run", deck, "dem.largest_overlap=1e-9", "-o", place)
+        named = ran.stderr.partition("its state then is in ")[2].partition("_*.vtkhdf")[0]
+        expect(pathlib.Path(f"{named}_stones.vtkhdf").is_file(), "it must write its state", ran)
+        rows = read.datasets(place)["history/time"].values
+        expect(len(rows) > 0, "it must write the histories up to the error", ran)
 
 
 def check_full_disk(program, deck, folder):

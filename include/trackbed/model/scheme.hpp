@@ -52,8 +52,9 @@ class Scheme {
   virtual bool keeps_stages() const = 0;  // a checkpoint after each stage; local
   // Writes what histories still hold in memory.
   virtual void flush() = 0;
-  // After an error that all ranks have: writes what can still be written. Does not throw.
-  virtual void rescue() noexcept {}
+  // After an error that all ranks have: writes what can still be written. Returns where the state
+  // at the error can be seen, or nothing. Does not throw.
+  virtual std::string rescue() noexcept { return {}; }
   // Warnings on results of a finished run.
   virtual std::vector<std::string> warnings_at_end() = 0;
   virtual void summarize(nlohmann::ordered_json& summary) = 0;

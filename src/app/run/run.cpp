@@ -44,10 +44,11 @@ Outcome Run::execute() {
     context_.log.timer_table(context_.timers);
     return outcome;
   } catch (const RunError& error) {
-    scheme_.rescue();
+    std::string state = scheme_.rescue();
+    if (!state.empty()) state += "; ";
     progress_.note("end", {{"outcome", "failed"}, {"message", error.what()}});
-    throw RunError(fmt::format("{} (at {:.6g} s, stage \"{}\"); {}", error.what(),
-                               course_.clock.time(), scheme_.stage(),
+    throw RunError(fmt::format("{} (at {:.6g} s, stage \"{}\"); {}{}", error.what(),
+                               course_.clock.time(), scheme_.stage(), state,
                                what_is_left(last_checkpoint_, started_from_, context_.folder)));
   }
 }

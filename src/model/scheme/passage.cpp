@@ -171,11 +171,12 @@ void PassageScheme::flush() {
       {.deck = effective_deck(run_.model), .version = version(), .build = build_description()});
 }
 
-void PassageScheme::rescue() noexcept {
+std::string PassageScheme::rescue() noexcept {
   try {
     flush();
   } catch (const std::exception&) {  // for example a full disk; the first error is reported
   }
+  return {};
 }
 
 std::vector<std::string> PassageScheme::warnings_at_end() {

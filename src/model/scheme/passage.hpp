@@ -32,7 +32,7 @@ class PassageScheme final : public Scheme {
   void end_stage() override;
   bool keeps_stages() const override { return false; }
   void flush() override;
-  void rescue() noexcept override;
+  std::string rescue() noexcept override;
   std::vector<std::string> warnings_at_end() override;
   void summarize(nlohmann::ordered_json& summary) override;
   void archive(io::Archive& a) override;

@@ -286,7 +286,7 @@ void StagedScheme::end_stage() {
     if (is_last_passage()) results_.envelope(static_cast<std::int64_t>(run_.course.stage));
     if (model_.output.fields) {
       if (keeps_extremes()) world_.ground->take_extremes();  // the last window may have no row
-      write_fields();
+      write_fields_of_window();
     }
   }
   StageRecord record = record_of(present(), run_.course, world_);

@@ -31,6 +31,7 @@ class StagedScheme final : public Scheme {
   void end_stage() override;
   bool keeps_stages() const override { return true; }
   void flush() override { results_.flush(); }
+  std::string rescue() noexcept override;
   std::vector<std::string> warnings_at_end() override;
   void summarize(nlohmann::ordered_json& summary) override;
   void archive(io::Archive& a) override;
@@ -53,7 +54,8 @@ class StagedScheme final : public Scheme {
   bool is_last_passage() const;
   void judge(const StageRecord& record, const std::string& shortfall);
   void sample();
-  void write_fields();
+  void write_fields_of_window();
+  void write_fields(const std::string& name, const std::vector<std::string>& parts);
   bool keeps_extremes() const;
   void require_still_stable() const;  // throws InputError; collective
   void archive_platen(io::Archive& a);

@@ -27,7 +27,7 @@ void StagedScheme::record() {
   if ((row || picture) && keeps_extremes()) world_.ground->take_extremes();
   if (picture) {
     const auto timing = run_.timers.scope(Phase::output);
-    write_fields();
+    write_fields_of_window();
   }
   if (run_.course.windows % windows_between_partitions != 0) return;
   // Not after the last window: a new partition has no contacts, which the end of a stage writes.
@@ -36,7 +36,26 @@ void StagedScheme::record() {
   world_.rebalance();
 }
 
-void StagedScheme::write_fields() {
+void StagedScheme::write_fields_of_window() {
+  write_fields(fmt::format("{}_{:06d}", present().name, run_.course.clock.window()),
+               model_.output.fields_parts);
+}
+
+// Histories, and all fields as they are after the window with the error, whatever the deck writes.
+std::string StagedScheme::rescue() noexcept {
+  try {
+    results_.flush();
+    const std::string name =
+        fmt::format("failed_{}_{:06d}", present().name, run_.course.clock.window());
+    if (model_.has_stones()) world_.particles.make_lists();
+    write_fields(name, {observe::field_parts.begin(), observe::field_parts.end()});
+    return fmt::format("its state then is in {}/fields/{}_*.vtkhdf", run_.folder, name);
+  } catch (const std::exception&) {  // for example a full disk; the first error is reported
+    return {};
+  }
+}
+
+void StagedScheme::write_fields(const std::string& name, const std::vector<std::string>& parts) {
   const observe::TrainInstant train = actions_.train().instant();
   std::optional<observe::TrainView> view;
   if (train.running)
@@ -46,9 +65,9 @@ void StagedScheme::write_fields() {
   observe::write_fields(
       comm_,
       {.folder = run_.folder + "/fields",
-       .name = fmt::format("{}_{:06d}", present().name, run_.course.clock.window()),
+       .name = name,
        .time = run_.course.clock.time(),
-       .parts = model_.output.fields_parts},
+       .parts = parts},
       world_.scene(), view ? &*view : nullptr);
 }
 
