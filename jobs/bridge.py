@@ -36,7 +36,8 @@ VARIANTS = {
     "no wedge": (BEDDED, ("ground.block.wedge.present=false",)),
     "under-sleeper pads": (BEDDED, ("contact.1.k_n=1.5e6", "contact.1.k_s=0.9e6")),
     "wide, heavy sleepers": (SEATED, ("sleepers.width=0.35", "material.1.density=3000")),
-    "glued ballast": (BEDDED, ("bond.glue.present=true",))}
+    # Bonds and stones that split exclude each other.
+    "glued ballast": (BEDDED, ("bond.glue.present=true", "breakage.splitting.strength=0"))}
 
 
 def run_all(program, folder, ranks):
@@ -69,7 +70,8 @@ class Passage:
             wheel, force = (file[f"history/wheel/{name}"][rows] for name in ("x", "force"))
         near = (wheel >= self.x[0]) & (wheel <= self.x[-1])
         self.forces = force[near]
-        self.breakage = json.loads((place / "summary.json").read_text(encoding="utf-8"))["breakage"]
+        summary = json.loads((place / "summary.json").read_text(encoding="utf-8"))
+        self.splits = summary.get("breakage", {}).get("splits", "-")
 
     def lowest(self):
         return -1e3 * self.motion.min(axis=0)
@@ -87,7 +89,13 @@ class Passage:
                 "largest difference of neighbours, mm": np.abs(np.diff(self.settled())).max(),
                 "wheel force, least, kN": 1e-3 * self.forces.min(),
                 "largest, kN": 1e-3 * self.forces.max(),
-                "stones that split": self.breakage["splits"]}
+                "stones that split": self.splits}
+
+
+def in_words(value):
+    if isinstance(value, float):
+        return f"{value:.2f}" if value < 50 else f"{value:.1f}"
+    return str(value)
 
 
 def table(passages):
@@ -96,9 +104,7 @@ def table(passages):
     lines = [f"| | {' | '.join(one.name for one in passages)} |", "|---" * (len(rows) + 1) + "|"]
     for number, (name, _) in enumerate(rows[0]):
         values = [row[number][1] for row in rows]
-        lines.append(f"| {name} | " + " | ".join(
-            f"{value:d}" if isinstance(value, int) else f"{value:.2f}" if value < 50 else
-            f"{value:.1f}" for value in values) + " |")
+        lines.append(f"| {name} | " + " | ".join(map(in_words, values)) + " |")
     return "\n".join(lines) + "\n"
 
 

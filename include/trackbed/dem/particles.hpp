@@ -250,6 +250,7 @@ class Particles {
   BondTotals bonded() const;                          // collective
 
   std::size_t size() const;  // own particles
+  bool any_corners() const;  // whether any template has a piece that is no ball
   ParticleView operator[](std::size_t i) const;
   // Balls around the pieces of own particle i, in space; for pebbles the pieces themselves.
   void pieces(std::size_t i,

@@ -295,6 +295,7 @@ void Particles::stop() {
 }
 
 std::size_t Particles::size() const { return impl_->state.own; }
+bool Particles::any_corners() const { return impl_->shapes.any_stones(); }
 const SurfaceAction& Particles::surface_action() const { return impl_->action; }
 std::int64_t Particles::steps() const { return impl_->steps; }
 std::int64_t Particles::rebuilds() const { return impl_->rebuilds; }

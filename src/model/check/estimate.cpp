@@ -82,14 +82,29 @@ double fraction_left(const Model& model, const Cut& cut, double low, double high
   return left / (high - low);
 }
 
-// s, for a stone of the layer in a sub-step.
+// s, for a stone in a sub-step.
+double step_time(double balls, double polyhedra, Dimension dimension) {
+  return time_per_stone + balls * time_per_ball(dimension) + polyhedra * time_per_polyhedron;
+}
+
+// The same for a stone of the layer.
 double step_time(const par::Comm& comm, const bed::BedParameters& layer, Dimension dimension) {
   const std::vector<dem::Template> shapes = bed::templates(comm, layer, dimension);
-  double sum = 0;
+  double balls = 0, polyhedra = 0;
   for (const dem::Template& shape : shapes)
     for (const dem::Piece& piece : shape.pieces)
-      sum += piece.core.vertices.size() > 1 ? time_per_polyhedron : time_per_ball(dimension);
-  return time_per_stone + sum / static_cast<double>(std::max<std::size_t>(1, shapes.size()));
+      ++(piece.core.vertices.size() > 1 ? polyhedra : balls);
+  const auto count = static_cast<double>(std::max<std::size_t>(1, shapes.size()));
+  return step_time(balls / count, polyhedra / count, dimension);
+}
+
+// The same for the mean stone of a cell. Collective.
+double step_time_of_copies(const World& world) {
+  const dem::Totals totals = world.particles.totals();
+  const double pieces = static_cast<double>(totals.pieces) /
+                        static_cast<double>(std::max<std::int64_t>(1, totals.particles));
+  const bool corners = world.particles.any_corners();
+  return step_time(corners ? 0 : pieces, corners ? pieces : 0, world.model.dimension);
 }
 
 // Describes the steps of a stage and their limit: most stages of a deck have the same.
@@ -163,6 +178,7 @@ std::vector<LayerForecast> forecast(const World& world, const StonesOfLayers& st
     cut.stone = radius_of(area * bed.height * (1 - bed.porosity) / made, model.dimension);
     layer.left = std::llround(fraction_left(model, cut, low, low + bed.height) * made);
     layer.step_time = step_time(comm, bed, model.dimension);
+    if (copies) layer.step_time = step_time_of_copies(world);
     layers.push_back(layer);
     low += bed.height;
   }
