@@ -27,6 +27,7 @@ from trackbed_post import read, write  # noqa: E402
 
 DECK = ROOT / "inputs" / "track" / "bridge.toml"
 BASE, SENSOR = "wedge", 5  # of the sleepers: above the wedge
+BEHIND = 7.5  # m behind the last sleeper of the bed, where the last axle ends the evaluation
 # Rest before and after the train, which the evaluation of the accelerometer needs.
 LONG = ("train.start=-33", "track.length=33.6")
 SEATED, BEDDED = "stage_release.h5", "stage_bed_in.h5"
@@ -57,17 +58,22 @@ def run_all(program, folder, ranks):
 
 
 class Passage:
-    """The last stage of a run: motion of the sleepers from its begin, m, forces of the wheels, N."""
+    """The train of a run: motion of the sleepers from its begin, m, forces of the wheels, N."""
 
     def __init__(self, name, place):
         self.name, self.place, run = name, place, read.results(place)
-        rows = slice(*run.passage().indices(len(run.time))[:2])
-        self.x, self.time = run.sleepers_x, run.time[rows]
+        rows = np.arange(*run.passage().indices(len(run.time))[:2])
+        with h5py.File(place / "results.h5") as file:
+            wheel, force = (file[f"history/wheel/{name}"][rows[0]:rows[-1] + 1]
+                            for name in ("x", "force"))
+        self.x = run.sleepers_x
+        # All runs up to the same place of the train, since tracks differ in length.
+        rows = rows[:np.argmax(wheel[:, -1] > self.x[-1] + BEHIND)]
+        wheel, force = wheel[:len(rows)], force[:len(rows)]
+        self.time = run.time[rows]
         level = run.sleeper["displacement"].values[rows]
         self.motion = level - level[0]
         self.acceleration = run.sleeper["acceleration"].values[rows]
-        with h5py.File(place / "results.h5") as file:
-            wheel, force = (file[f"history/wheel/{name}"][rows] for name in ("x", "force"))
         near = (wheel >= self.x[0]) & (wheel <= self.x[-1])
         self.forces = force[near]
         summary = json.loads((place / "summary.json").read_text(encoding="utf-8"))

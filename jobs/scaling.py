@@ -3,9 +3,9 @@
 
     scaling.py PROGRAM DECK [--ranks N,N,...] [--windows W] [key=value...]
 
-Runs some windows of the deck, a bed of copies of a cell, on one rank and on two (strong scaling), on
-half of the bed's length on one rank (weak scaling), and prints tables with what `trackbed check
---ranks` predicts for more. Needs two idle cores.
+Runs some windows of the deck, a bed of copies of a cell, on one rank and on two (strong scaling),
+on half of the bed's length, an even number of cells, on one rank (weak scaling), and prints tables
+with what `trackbed check --ranks` predicts for more. Needs two idle cores.
 """
 import argparse
 import json
@@ -53,11 +53,16 @@ def measured(program, deck_path, windows, given):
     of three of each."""
     with open(deck_path, "rb") as file:
         deck = tomllib.load(file)
+    for word in given:  # those that are halved
+        key, _, value = word.partition("=")
+        section, _, name = key.partition(".")
+        if section in ("bed", "ground", "sleepers") and name in ("x", "count", "elements_x"):
+            deck[section][name] = tomllib.loads(f"value = {value}")["value"]
     rows = []
     for name, ranks, halves in (("whole bed", 1, 2), ("whole bed", 2, 2), ("half of it", 1, 1)):
         least = []
         for count in (windows // 10, windows):
-            words = [*short_words(deck, count, halves), *given]
+            words = [*given, *short_words(deck, count, halves)]
             found = [run(program, ranks, deck_path, *words) for _ in range(3)]
             least.append((min(one["wall_time_s"] for one in found), found[0]["dem"]))
         (begin, before), (end, dem) = least
@@ -80,10 +85,16 @@ def main():
         print(f"| {name} | {ranks} | {stones} | {steps} | {seconds:.1f} | "
               f"{1e9 * seconds * ranks / stones / steps:.0f} |")
     (_, _, _, _, alone), (_, _, _, _, two), (_, _, _, _, half) = rows
-    print(f"\nstrong scaling on 2 ranks: {alone / two:.2f}; weak scaling: {half / two:.2f}\n")
-    print(subprocess.run([given.program, "check", given.deck, "--ranks", given.ranks,
-                          *given.overrides], check=True, capture_output=True, text=True).stdout)
+    print(f"\n2 ranks: speed-up {alone / two:.2f}; with twice the bed they take {two / half:.2f} "
+          "times as long as one rank with one\n")
+    predicted = subprocess.run(["mpirun", "-n", "1", given.program, "check", given.deck, "--ranks",
+                                given.ranks, *given.overrides], check=False, capture_output=True,
+                               text=True, stdin=subprocess.DEVNULL)
+    print(predicted.stdout)
+    if predicted.returncode:
+        print(predicted.stderr, file=sys.stderr)
+    return predicted.returncode
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

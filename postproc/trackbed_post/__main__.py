@@ -61,7 +61,7 @@ def positive(text):
     except ValueError:
         value = math.nan
     if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text}: must be above 0")
+        raise argparse.ArgumentTypeError(f"{text}: must be a number above 0")
     return value
 
 
@@ -178,6 +178,11 @@ def find_ballast(given):
     print_folders([folder])
 
 
+# Options of a forecast with their defaults.
+FORECAST = {"days": 365.25, "axles": 1.0, "axle_load": None, "load_exponent": None, "lift": None,
+            "force": None, "subgrade": None}
+
+
 def draw_settlement(given):
     """settlement from cycle to cycle or train to train, laws, and a forecast for a traffic"""
     forecast = None
@@ -185,8 +190,9 @@ def draw_settlement(given):
         forecast = settlement_command.Forecast(
             traffic.traffic_from(given.traffic), given.days, given.axles, given.axle_load,
             given.load_exponent)
-    elif {given.lift, given.force, given.subgrade} != {None}:
-        raise read.Unreadable("--lift, --force and --subgrade are for a forecast: give --traffic")
+    elif used := [f"--{name.replace('_', '-')}" for name, default in FORECAST.items()
+                  if getattr(given, name) != default]:
+        raise read.Unreadable(f"{', '.join(used)}: for a forecast, which needs --traffic")
     if given.lift is not None and given.axle_load is None:
         raise read.Unreadable("--lift (Shenton's law) needs the axle load: give --axle-load")
     folder = write.Folder(given.output, write.origin_of(given.results), given.format)
@@ -299,14 +305,14 @@ def parser():
                      help="laws are fitted from this cycle on; default: 1")
     one.add_argument("--traffic", type=pathlib.Path, metavar="FILE.csv",
                      help="trains of a day: columns trains_per_day, axles, axle_load_t")
-    one.add_argument("--days", type=positive, default=365.25,
+    one.add_argument("--days", type=positive, default=FORECAST["days"],
                      help="of the forecast; default: a year")
-    one.add_argument("--axles", type=positive, default=1.0, metavar="K",
+    one.add_argument("--axles", type=positive, default=FORECAST["axles"], metavar="K",
                      help="axles that a cycle of the run represents; default: 1")
     one.add_argument("--axle-load", type=positive, metavar="T", help="of the run, t")
     one.add_argument("--load-exponent", type=positive, metavar="P",
                      help="an axle of another load counts as (its load over that of the run)^P "
-                          "axles")
+                          "axles; of a settlement that grows with load^a N^b: P = a/b")
     one.add_argument("--lift", type=positive, metavar="MM",
                      help="draws Shenton's law after a lift of the track in mm")
     one.add_argument("--force", type=positive, metavar="KN",

@@ -8,7 +8,7 @@ from trackbed_post import read
 from trackbed_post.settlement import course, laws, traffic
 
 
-def test_varandas_settles_by_the_published_values():
+def test_varandas_settles_by_the_reference_values():
     law = laws.Varandas()
     assert 1e3 * law.settlement([50e3], 1e5) == pytest.approx(6.3329, abs=5e-5)
     assert 1e3 * law.settlement([50e3], 1e6) == pytest.approx(10.0, abs=5e-5)
@@ -41,7 +41,7 @@ def test_sum_of_powers_is_exact(exponent):
         assert laws.sum_of_powers(count, exponent) == pytest.approx(terms.sum(), rel=1e-11)
 
 
-def test_li_selig_strains_by_the_published_value():
+def test_li_selig_strains_by_the_reference_value():
     assert 1e2 * laws.li_selig(1e6, 0.4, "CL") == pytest.approx(1.6051, abs=5e-5)
 
 
@@ -50,12 +50,12 @@ def test_shenton_by_hand():
     assert 1e3 * laws.shenton(1e6, 20, 10e-3) == pytest.approx(1.1 * (0.97 * 10 ** 1.2 + 2.7))
 
 
-@pytest.mark.parametrize("exponent", (0.0, 0.2, 0.7))
+@pytest.mark.parametrize("exponent", (-0.4, 0.0, 0.2, 0.7))
 def test_fit_finds_the_exponent(exponent):
     count = np.arange(1.0, 200)
     settled = 1e-3 + 2e-4 * laws.law(count, exponent)
     logarithm, power = laws.fit(count, settled)
-    assert power.exponent == pytest.approx(exponent, abs=2.6e-3)
+    assert power.exponent == pytest.approx(exponent, abs=5.1e-3)
     assert power.at(1e4) == pytest.approx(1e-3 + 2e-4 * laws.law(1e4, exponent), rel=2e-2)
     assert (logarithm.scatter < 1e-12) == (exponent == 0)
 
@@ -70,9 +70,9 @@ def test_a_good_jump_has_no_error_and_one_too_far_is_found():
     stage = np.concatenate([np.full(41, 1), [2], np.full(40, 3), [4], np.full(40, 5)])
     found = course.Course(cycles, settled[:, None], cycles, stage, np.isin(stage, (2, 4)))
     first, second = course.checks(found, {"jump": {"cycles": 20, "exponent": 0.0}})
-    assert first.error == pytest.approx(0, abs=1e-12)
+    assert first.lack == pytest.approx(0, abs=1e-12)
     assert second.found == pytest.approx(2 * second.expected)
-    assert second.error == pytest.approx(0.5 * second.settled)
+    assert second.lack == pytest.approx(0.5 * second.settled)
 
 
 def test_traffic_counts_axles_and_tonnes(tmp_path):
@@ -81,10 +81,15 @@ def test_traffic_counts_axles_and_tonnes(tmp_path):
                      encoding="utf-8")
     found = traffic.traffic_from(table)
     assert found.tonnes_per_day() == 10 * 100 * 20 + 50 * 32 * 10
-    assert found.axles_per_day() == 2600
     assert found.axles_per_day(20, 2) == pytest.approx(1000 + 1600 / 4)
     with pytest.raises(read.Unreadable, match="--load-exponent"):
         found.axles_per_day(20)
+
+
+def test_several_axle_loads_need_that_of_the_run():
+    trains = (traffic.Trains("freight", 10, 100, 20), traffic.Trains("coach", 50, 32, 10))
+    with pytest.raises(read.Unreadable, match="--axle-load"):
+        traffic.Traffic(trains).axles_per_day()
 
 
 @pytest.mark.parametrize("text, words", (

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A train of wagons over 60 sleepers, a million sub-steps of stones, through jobs/slurm.sh in a
-queue of Debian's Slurm: interrupted five times, once continued with another number of ranks. The
-end is bitwise that of an undisturbed run on two ranks.
+queue of Debian's Slurm: interrupted five times and continued on two ranks or one. The end is
+bitwise that of an undisturbed run on two ranks.
 
     long_run.py PROGRAM SOURCE_FOLDER FOLDER [key=value...]
 
@@ -25,8 +25,9 @@ from slurm import Queue, called, slurm, wait_for  # noqa: E402
 DECK = "inputs/track/sixty_sleepers.toml"
 PATIENCE = 4 * 3600  # s
 # Each interruption, and the number of ranks with which the run continues.
-INTERRUPTIONS = (("the time of the job ends", 2), ("a node fails", 2), ("the job is cancelled", 1),
-                 ("the time of the job ends", 1), ("the job is cancelled", 2))
+INTERRUPTIONS = (("the time of the job ends", 2), ("all ranks are killed", 2),
+                 ("the job is cancelled", 1), ("the time of the job ends", 1),
+                 ("the job is cancelled", 2))
 
 
 def done_windows(place):
@@ -62,7 +63,7 @@ class Interrupted:
             called("scancel", self.job)
             wait_for(lambda: not self.queue.state(self.job), 120, "the end of a cancelled job")
             self.job = self.submitted(ranks)
-        elif how == "a node fails":
+        elif how == "all ranks are killed":
             called("scontrol", "requeue", self.job)
             self.start()
         else:

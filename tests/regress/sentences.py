@@ -37,7 +37,7 @@ YIELDS = "ground.layer.soil.yield=mohr_coulomb ground.plane=strain"
 TRAIN = "stage.passage.train=true train.start=0"
 TAMP = "stage.passage.kind=tamp stage.passage.duration=0"
 JUMP = ("stage.passage.kind=jump stage.passage.cycles=9 stage.passage.load=2e3 jump.from=load "
-        "jump.cycles=4 stage.load.settlement=0")
+        "jump.cycles=4 stage.load.settlement=0 stage.passage.duration=0.2")
 REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "wall_material=wood": "there are ballast, sleeper",
            "ground_material=wood": "there are ballast, sleeper",
@@ -138,9 +138,14 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            f"{JUMP} stage.passage.cycles=0": "must be at least 1: the cycles that a jump",
            f"{JUMP} stage.passage.load=0": "must be above 0 N: the load of the cycles of a jump",
            f"{JUMP} jump.period=1e-6": "is less than 4 time windows of about",
+           f"{JUMP} stage.passage.seat_force=9e3": "elastic deflection would count as settlement",
+           f"{JUMP} stage.passage.load=3e3": "must be that of the cycles before, 2000 N",
+           f"{JUMP} stage.passage.friction=0.1": "must be -1 for a jump, in which the friction",
+           f"{JUMP} stage.passage.duration=0.05": "is less than a cycle of the jump",
+           f"{JUMP} stage.passage.settlement=1e-4": "is for stages of kind load and passage",
            f"{JUMP} jump.from=lode": "there is no stage \"lode\"",
            f"{JUMP} jump.from=passage": "jumps over cycles that are not counted yet (jump.from)",
-           f"{JUMP} jump.cycles=9": "needs a stage of 9 cycles before it (jump.cycles), which has",
+           f"{JUMP} jump.cycles=9": "needs a stage of more than 9 cycles before it (jump.cycles)",
            f"{JUMP} stage.load.settlement=1e-4": "must not follow a stage that may end early",
            f"{JUMP} stage.load.kind=run stage.load.cycles=0 stage.load.load=0":
                "jumps over cycles, but the stage before is not of kind load or passage",

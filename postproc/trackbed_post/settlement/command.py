@@ -81,15 +81,20 @@ def table_of(name, found, fits, checks):
               for fit in fits]
     for check in checks:
         lines.append(f"  jump from cycle {check.begin:.0f} to {check.end:.0f}: "
-                     f"{1e3 * check.settled:.3f} mm, estimated error {1e3 * check.error:+.3f} mm "
-                     f"(in the {check.after:.0f} cycles after it {1e3 * check.found:.3f} mm, by "
-                     f"the law {1e3 * check.expected:.3f} mm)")
+                     f"{1e3 * check.settled:.3f} mm, true settlement minus this "
+                     f"{1e3 * check.lack:+.3f} mm by estimate (in the {check.after:.0f} cycles "
+                     f"after it {1e3 * check.found:.3f} mm, by the law "
+                     f"{1e3 * check.expected:.3f} mm)")
     return "\n".join(lines) + "\n"
 
 
 def forecast_curves(forecast, fits, given):
     """{name: settlement, m, over `days`} of the fitted laws, from the begin of the run's count on,
     and of the laws that were asked for."""
+    published = {given.lift, given.force, given.subgrade} != {None}
+    if published and len({one.axle_load for one in forecast.traffic.trains}) > 1:
+        raise read.Unreadable("--lift, --force and --subgrade are for a traffic of one axle load: "
+                              "loads act differently in each of these laws")
     days = np.concatenate([[0.0], np.geomspace(forecast.days / 1e4, forecast.days, POINTS)])
     cycles = days * forecast.cycles_per_day()
     curves = {f"{fit.name}, fitted": fit.at(cycles) - fit.at(0.0) for fit in fits}
@@ -111,8 +116,8 @@ def forecast_table(forecast, days, curves):
     lines = [f"forecast for {unit}, {days[-1] * forecast.cycles_per_day():.3g} cycles of the run"]
     lines += [f"  {name}: {1e3 * settled[-1]:.2f} mm" for name, settled in curves.items()]
     of_fits = [settled[-1] for name, settled in curves.items() if name.endswith("fitted")]
-    lines.append(f"  the fitted laws differ by {1e3 * np.ptp(of_fits):.2f} mm: settlements beyond "
-                 "the computed cycles are known no better")
+    lines.append(f"  the fitted laws differ by {1e3 * np.ptp(of_fits):.2f} mm, which is the least "
+                 "uncertainty beyond the computed cycles")
     return "\n".join(lines) + "\n"
 
 
@@ -132,7 +137,8 @@ def draw_course(panel, name, found, fits, colour):
 
 def settlement(results, folder, given, forecast=None):
     """Writes settlement.csv, axles.csv of runs with trains, settlement.txt and settlement.png of
-    the runs `results` into `folder`; of several runs names of CSV files begin with theirs."""
+    the runs `results` into `folder`; of several runs names of CSV files begin with number
+    and name of the run."""
     figure, panels = plt.subplots(1, 2 if forecast else 1, figsize=(13 if forecast else 8, 5.5),
                                   layout="constrained", squeeze=False)
     left, text = panels[0][0], []
@@ -140,7 +146,7 @@ def settlement(results, folder, given, forecast=None):
         run = read.results(path)
         found = course.course_of(path)
         fits = fitted(found, given.begin)
-        prefix = "" if len(results) == 1 else f"{run.name}_"
+        prefix = "" if len(results) == 1 else f"{number + 1}_{run.name}_"
         folder.file(f"{prefix}settlement.csv", course_as_csv(found, run.deck))
         if trains := course.axles_of(path):
             folder.file(f"{prefix}axles.csv", axles_as_csv(trains))

@@ -33,7 +33,7 @@ def course_of(path):
     stages = run.deck["stage"]
     rows = list(np.flatnonzero(np.diff(count) > 0) + 1)
     cycles = [float(count[row]) for row in rows]
-    if read.summary(path).get("finished") and (more := last_cycles(stages[run.stage[-1]])):
+    if read.summary(path).get("finished") and (more := last_cycles(run, count)):
         rows.append(len(count) - 1)
         cycles.append(float(count[-1]) + more)
     if not rows:
@@ -44,21 +44,25 @@ def course_of(path):
     rows = np.array([begin, *rows])
     of_stage = np.array([of_stage[0], *of_stage])
     level = run.sleeper["displacement"].values
-    return Course(np.array([0.0, *cycles]), level[begin] - level[rows], run.time[rows], of_stage,
+    return Course(np.array([float(count[begin]), *cycles]), level[begin] - level[rows],
+                  run.time[rows], of_stage,
                   np.array([stages[k]["kind"] == "jump" for k in of_stage]))
 
 
-def last_cycles(stage):
+def last_cycles(run, count):
     """Cycles that are complete with the end of a run, after its last row."""
+    stage = run.deck["stage"][run.stage[-1]]
     if stage["kind"] == "jump":
         return stage["cycles"]
-    return 1 if stage["kind"] == "passage" or (stage["kind"] == "load" and stage["cycles"]) else 0
+    whole = max(stage.get("cycles", 0), 1 if stage["kind"] == "passage" else 0)
+    counted = count[-1] - count[np.argmax(run.stage == run.stage[-1])]
+    return 1 if stage["kind"] in ("load", "passage") and counted < whole else 0
 
 
 @dataclasses.dataclass(frozen=True)
 class JumpCheck:
     """A jump, and whether the settlement after it goes on by the law with which it was made:
-    settlements of the mean sleeper, m. `error` is an estimate of the error of `settled`: the law's
+    settlements of the mean sleeper, m. `lack` is an estimate of what `settled` lacks: the law's
     rate is right at the begin, wrong by `found/expected` at the end, and in between in proportion
     to the law."""
     begin: float     # cycles
@@ -69,7 +73,7 @@ class JumpCheck:
     found: float
 
     @property
-    def error(self):
+    def lack(self):
         if not self.expected > 0:
             return np.nan
         return 0.5 * (self.found / self.expected - 1) * self.settled
@@ -97,7 +101,7 @@ def checks(course, deck):
 
 def axles_of(path):
     """[(number of the train, lowest displacement of each sleeper under each axle [axle, sleeper],
-    m, relative to before the train)] of all trains with wheels in the histories."""
+    m, relative to the first row with the train)] of all trains with wheels in the histories."""
     every, run = read.datasets(path), read.results(path)
     if "history/wheel/x" not in every:
         return []

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-# Li and Selig 1996 (doi:10.1061/(ASCE)0733-9410(1996)122:12(939)): a, b and m of their law by the
+# Li and Selig 1996 (doi:10.1061/(ASCE)0733-9410(1996)122:12(1006)): a, b and m of their law by the
 # soil of the subgrade (unified soil classification).
 SOILS = {"ML": (0.64, 0.10, 1.7), "MH": (0.84, 0.13, 2.0), "CL": (1.1, 0.16, 2.0),
          "CH": (1.2, 0.18, 2.4)}
@@ -22,9 +22,9 @@ def shenton(axles, axle_load, lift):
 
 
 def sum_of_powers(count, exponent):
-    """Sum of n^-exponent for n from 1 to `count`: the first terms one by one, the rest by Euler and
-    Maclaurin's formula, whose next term is below 1e-13 of it."""
-    first = 1000
+    """Sum of n^-exponent for n from 1 to `count`, rounded: the first terms one by one, the rest by
+    Euler and Maclaurin's formula, whose next term is below 1e-13 of it."""
+    first, count = 1000, round(count)
     if count <= first:
         return float(np.sum(np.arange(1.0, count + 1) ** -exponent))
 
@@ -70,7 +70,7 @@ def li_selig(cycles, ratio, soil):
 def law(count, exponent):
     """((1 + N)^b - 1)/b, for b = 0 ln(1 + N): the law of the program (jump.exponent)."""
     log = np.log1p(np.asarray(count, dtype=float))
-    return np.expm1(exponent * log) / exponent if exponent > 0 else log
+    return np.expm1(exponent * log) / exponent if exponent else log
 
 
 @dataclasses.dataclass(frozen=True)
@@ -95,9 +95,9 @@ def _fit_with(count, settled, exponent, name):
 
 
 def fit(count, settled):
-    """The logarithmic law, and the one with the exponent from 0 to 1 that fits best. They
-    extrapolate differently: the difference is a measure of how little is known."""
-    exponents = np.linspace(0, 1, STEPS + 1)
+    """The logarithmic law, and the one with the exponent from -1 (below 0 settlement ends) to 1
+    that fits best."""
+    exponents = np.linspace(-1, 1, STEPS + 1)
     best = min((_fit_with(count, settled, b, "power") for b in exponents),
                key=lambda one: one.scatter)
     return [_fit_with(count, settled, 0.0, "logarithm"), best]

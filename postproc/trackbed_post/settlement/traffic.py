@@ -29,11 +29,14 @@ class Traffic:
         """Axles of all loads; with `axle_load`, t, axles of this load that settle the track as
         much: an axle of another load counts (load/axle_load)^power times."""
         if axle_load is None:
+            if len({one.axle_load for one in self.trains}) > 1:
+                raise read.Unreadable("the traffic has several axle loads: state that of the run "
+                                      "(--axle-load)")
             return sum(one.per_day * one.axles for one in self.trains)
         if power is None and any(one.axle_load != axle_load for one in self.trains):
             raise read.Unreadable(f"the traffic has other axle loads than {axle_load:g} t of the "
-                                  "run (--axle-load): state how settlement grows with the load "
-                                  "(--load-exponent)")
+                                  "run (--axle-load): state as how many axles of the run one "
+                                  "of another load counts (--load-exponent)")
         return sum(one.per_day * one.axles * (one.axle_load / axle_load) ** (power or 0)
                    for one in self.trains)
 

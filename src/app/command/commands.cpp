@@ -169,10 +169,11 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   Warnings warnings{comm};
   const model::Model model = read_model(deck, warnings);
-  if (!arguments.ranks.empty() && (model.bed.cell.empty() || comm.size() > 1))
+  const bool copies = !model.bed.cell.empty() && model.start.empty();
+  if (!arguments.ranks.empty() && (!copies || comm.size() > 1))
     throw InputError(
-        {"--ranks: needs a deck whose stones are copies of a cell (bed.cell), and one "
-         "rank: other stones have no places before the run"});
+        {"--ranks: needs a deck whose stones are copies of a cell (bed.cell) and not of a "
+         "checkpoint (start), and one rank: other stones have no places before the run"});
   if (!model.has_stages()) {
     if (const model::GroundFile ground = checked_ground(model, deck, warnings);
         !ground.size.empty())

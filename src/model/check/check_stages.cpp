@@ -35,7 +35,9 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
     for (const std::string& line : estimate(world, actions, given.stones, given.deck))
       say(comm, line);
     if (!given.ranks.empty())
-      for (const std::string& line : scaling_of(world, given.ranks)) say(comm, line);
+      for (const std::string& line :
+           scaling_of(world, given.ranks, forecast(world, given.stones).front().step_time))
+        say(comm, line);
   } else {
     say(comm, "  stones: as in " + given.start + "");
   }

@@ -1,12 +1,16 @@
 // The time of a sub-step on N ranks is estimated as
 //   work of the busiest rank + neighbours latency + bytes/bandwidth + reduction log2(N),
-// the last for the decision about new lists, which all ranks take together. Work is counted by the
-// load balance; ground, coupling and output are left out.
+// neighbours and bytes of the ranks that have most, the last for the decision about new lists,
+// which all ranks take together. Work is counted by the load balance; ground, coupling and output
+// are left out.
 #include "model/check/scaling.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+
+#include "trackbed/core/error.hpp"
 
 namespace trackbed::model {
 
@@ -24,21 +28,27 @@ double messages(const dem::Decomposition& d, int ranks) {
 
 }  // namespace
 
-std::vector<std::string> scaling_of(World& world, const std::vector<int>& ranks) {
+// The load balance counts work in proportion; its unit follows from the estimate for one rank.
+std::vector<std::string> scaling_of(World& world, const std::vector<int>& ranks, double step_time) {
   world.particles.make_lists();
-  const double alone = 1e-9 * world.particles.decomposition(1).work_most;
-  std::vector<std::string> lines{fmt::format(
-      "ranks  stones of a rank  work us  over mean  ghosts/own  neighbours  kB/sub-step "
-      " messages us  speed-up  (of stones alone; messages of {:g} us, {:g} GB/s, {:g} "
-      "us for a doubling of ranks are assumed)",
-      1e6 * latency, 1e-9 * bandwidth, 1e6 * reduction)};
+  const dem::Decomposition whole = world.particles.decomposition(1);
+  const double alone = step_time * whole.particles_mean, unit = alone / whole.work_mean;
+  std::vector<std::string> lines{
+      fmt::format("of the stones as they are poured, in a sub-step (assumed: {:g} us for a "
+                  "neighbour, {:g} GB/s, {:g} us for a doubling of ranks):",
+                  1e6 * latency, 1e-9 * bandwidth, 1e6 * reduction),
+      "ranks  stones of a rank  work us  over mean  ghosts/own  neighbours  received kB  messages "
+      "us  speed-up"};
   for (const int n : ranks) {
+    if (n > whole.particles_mean)
+      throw InputError(
+          {fmt::format("--ranks {}: the deck has only {:.0f} stones", n, whole.particles_mean)});
     const dem::Decomposition d = world.particles.decomposition(n);
-    const double work = 1e-9 * d.work_most, wait = messages(d, n);
+    const double work = unit * d.work_most, wait = messages(d, n);
     lines.push_back(fmt::format(
-        "{:5}  {:16.0f}  {:7.1f}  {:9.2f}  {:10.2f}  {:10.1f}  {:11.1f}  {:11.1f}  {:8.1f}", n,
+        "{:5}  {:16.0f}  {:7.1f}  {:9.2f}  {:10.2f}  {:10.0f}  {:11.1f}  {:11.1f}  {:8.1f}", n,
         d.particles_mean, 1e6 * work, d.work_most / d.work_mean,
-        d.ghosts_mean / std::max(1.0, d.particles_mean), d.neighbours_mean, 1e-3 * d.bytes_mean,
+        d.ghosts_mean / std::max(1.0, d.particles_mean), d.neighbours_most, 1e-3 * d.bytes_most,
         1e6 * wait, alone / (work + wait)));
   }
   return lines;

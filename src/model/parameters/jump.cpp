@@ -21,7 +21,7 @@ void JumpParameters::declare(input::Section& s) {
            "((1 + N)^b - 1)/b; 0: to the logarithm of 1 + N; 1: to N.");
   s.number("period", period, {.unit = "s", .above = 0, .usually_to = 10},
            "Period of the cycles of load in a jump.");
-  s.number("least_friction", least_friction, {.unit = "-", .above = 0, .at_most = 1},
+  s.number("least_friction", least_friction, {.unit = "-", .above = 0, .at_most = 0.95},
            "Least ratio of the friction coefficients in a jump to those of the contact laws: they "
            "fall from cycle to cycle until the sleepers have settled enough.");
 }
@@ -35,6 +35,44 @@ std::int64_t cycles_of(const Stage& stage) {
   const bool passes = stage.kind == StageKind::passage;
   if (!passes && stage.kind != StageKind::load && stage.kind != StageKind::jump) return 0;
   return std::max<std::int64_t>(stage.cycles, passes ? 1 : 0);
+}
+
+namespace {
+
+// The level before and after is compared under the seat force alone.
+void declare_load(const Model& model, std::size_t i, input::Section& s) {
+  const Stage& stage = model.stages[i];
+  const auto key = [&](const char* name) { return fmt::format("stage[{}].{}", i, name); };
+  const input::About about{.reads = {"jump", "stage"}};
+  s.rule(key("load"), stage.load > 0, "must be above 0 N: the load of the cycles of a jump", about);
+  s.rule(key("friction"), stage.friction < 0,
+         "must be -1 for a jump, in which the friction of the contact laws falls", about);
+  s.rule(key("settlement"), stage.settlement == 0, "is for stages of kind load and passage", about);
+  s.rule(key("duration"), stage.duration >= model.jump.period,
+         fmt::format("is less than a cycle of the jump (jump.period = {:g} s)", model.jump.period),
+         about);
+  if (i == 0) return;
+  const Stage& before = model.stages[i - 1];
+  s.rule(key("seat_force"), stage.seat_force == before.seat_force,
+         fmt::format("must be that of the stage before, {:g} N: elastic deflection would count as "
+                     "settlement",
+                     before.seat_force),
+         about);
+  s.rule(key("load"), before.kind != StageKind::load || stage.load == before.load,
+         fmt::format("must be that of the cycles before, {:g} N", before.load), about);
+}
+
+}  // namespace
+
+const Stage* Model::counts_from() const {
+  const auto first = [&](auto&& fits) -> const Stage* {
+    const auto found = std::find_if(stages.begin(), stages.end(), fits);
+    return found == stages.end() ? nullptr : &*found;
+  };
+  if (!jump.from.empty()) return first([&](const Stage& s) { return s.name == jump.from; });
+  if (const Stage* passage = first([](const Stage& s) { return s.kind == StageKind::passage; }))
+    return passage;
+  return first([](const Stage& s) { return s.kind == StageKind::load && s.cycles > 0; });
 }
 
 // A jump needs equal cycles before it, of which it knows when the measured ones begin.
@@ -67,14 +105,14 @@ void declare_jump(const Model& model, input::Section& s) {
     const std::int64_t cycles = loads ? cycles_of(*before) : 0;
     s.rule(kind, loads, "jumps over cycles, but the stage before is not of kind load or passage",
            about);
-    s.rule(kind, !loads || cycles >= jump.cycles,
-           fmt::format("needs a stage of {} cycles before it (jump.cycles), which has {}",
+    // One more: the first cycle follows another load.
+    s.rule(kind, !loads || cycles > jump.cycles,
+           fmt::format("needs a stage of more than {} cycles before it (jump.cycles), which has {}",
                        jump.cycles, cycles),
            about);
     s.rule(kind, !loads || before->settlement == 0,
            "must not follow a stage that may end early (stage.settlement)", about);
-    s.rule(fmt::format("stage[{}].load", i), model.stages[i].load > 0,
-           "must be above 0 N: the load of the cycles of a jump", about);
+    declare_load(model, i, s);
     s.rule(kind, !model.breakage.any() && model.bonds.empty(),
            "is not possible with breakage or bonds: it does not know what would break", about);
   }

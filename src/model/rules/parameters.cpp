@@ -353,7 +353,7 @@ void Model::declare(input::Section& s) {
           "Long-term settlement by alternating runs of a track alone and of the bed "
           "(docs/track.md); used by jobs/handover.py, ignored by `trackbed run`.");
   declare_handover(*this, s);
-  s.table("jump", jump, "Jumps over cycles of load, stages of kind jump (docs/track.md).");
+  s.table("jump", jump, "Jumps over cycles of load, stages of kind jump (docs/settlement.md).");
   declare_jump(*this, s);
 }
 
@@ -445,17 +445,6 @@ bool Model::uses_walls() const {
 
 bool Model::has_train() const {
   return std::any_of(stages.begin(), stages.end(), [](const Stage& stage) { return stage.train; });
-}
-
-const Stage* Model::counts_from() const {
-  const auto first = [&](auto&& fits) -> const Stage* {
-    const auto found = std::find_if(stages.begin(), stages.end(), fits);
-    return found == stages.end() ? nullptr : &*found;
-  };
-  if (!jump.from.empty()) return first([&](const Stage& s) { return s.name == jump.from; });
-  if (const Stage* passage = first([](const Stage& s) { return s.kind == StageKind::passage; }))
-    return passage;
-  return first([](const Stage& s) { return s.kind == StageKind::load && s.cycles > 0; });
 }
 
 bool Model::has_solid_rails() const {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <string>
-#include <vector>
 
 #include "model/scene/world.hpp"
 #include "trackbed/core/clock.hpp"
@@ -39,8 +38,9 @@ class Jump {
  private:
   void note_level_before_jump(const Stage& stage);
   bool ends_cycle(const Clock& clock) const;
-  double level() const;    // m, mean of the sleepers
-  double missing() const;  // m, of the settlement in a jump
+  double level() const;                                // m, mean of the sleepers
+  double settled() const { return level_ - level(); }  // m, in a jump
+  double missing() const;                              // m, of the settlement in a jump
 
   World& world_;
   const Model& model_;

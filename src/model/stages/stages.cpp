@@ -1,5 +1,5 @@
-// The kinds of stages. What a stage does in a window follows from the deck, the clock and the
-// model; its only own state is the settlement of sleepers from cycle to cycle.
+// The kinds of stages. What a stage does in a window follows from the deck, the clock, the model,
+// and what is counted of cycles, jumps and trains.
 //
 // Kinds differ in few points, which are distinguished by `if`. Rejected: a class per kind, which
 // would spread begin, watch and end over many files with mostly empty functions.
@@ -47,7 +47,8 @@ bool has_cycles(const Stage& stage) {
 // Not under load: the criterion would end a stage between axles or cycles.
 bool ends_at_rest(const Stage& stage) {
   const bool loaded = stage.kind == StageKind::load || stage.kind == StageKind::passage ||
-                      stage.kind == StageKind::shear || stage.kind == StageKind::triaxial;
+                      stage.kind == StageKind::jump || stage.kind == StageKind::shear ||
+                      stage.kind == StageKind::triaxial;
   return stage.until_ratio > 0 && !loaded;
 }
 

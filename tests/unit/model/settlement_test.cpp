@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "trackbed/model/parameters.hpp"
+
 namespace trackbed::model::settlement_test {
 namespace {
 
@@ -72,6 +76,22 @@ TEST(Settlement, ContinuesFromACheckpoint) {
   scene.window();
   resumed.watch(cycles, scene.clock, scene.sleepers);
   EXPECT_EQ(resumed.last(), scene.settlement.last());
+}
+
+TEST(SettlementLaw, BeginsAtZeroAndGrowsByItsExponent) {
+  for (const double exponent : {0.0, 0.3, 1.0}) EXPECT_EQ(settlement_law(0, exponent), 0);
+  EXPECT_DOUBLE_EQ(settlement_law(99, 0), std::log(100));
+  EXPECT_DOUBLE_EQ(settlement_law(99, 0.5), (std::sqrt(100) - 1) / 0.5);
+  EXPECT_DOUBLE_EQ(settlement_law(99, 1), 99);
+  EXPECT_NEAR(settlement_law(99, 1e-9), settlement_law(99, 0), 1e-7);
+}
+
+TEST(SettlementLaw, CountsTrainsAndCycles) {
+  EXPECT_EQ(cycles_of({.name = "", .kind = StageKind::passage}), 1);
+  EXPECT_EQ(cycles_of({.name = "", .kind = StageKind::passage, .cycles = 4}), 4);
+  EXPECT_EQ(cycles_of({.name = "", .kind = StageKind::load}), 0);
+  EXPECT_EQ(cycles_of({.name = "", .kind = StageKind::jump, .cycles = 70}), 70);
+  EXPECT_EQ(cycles_of({.name = "", .kind = StageKind::tamp, .cycles = 2}), 0);
 }
 
 }  // namespace
