@@ -67,13 +67,15 @@ class Passage:
             wheel, force = (file[f"history/wheel/{name}"][rows[0]:rows[-1] + 1]
                             for name in ("x", "force"))
         self.x = run.sleepers_x
+        sensor = {name: run.sleeper[name].values[rows, SENSOR]
+                  for name in ("displacement", "acceleration")}
+        self.record = (run.time[rows] - run.time[rows[0]], sensor["displacement"],
+                       sensor["acceleration"])
         # All runs up to the same place of the train, since tracks differ in length.
         rows = rows[:np.argmax(wheel[:, -1] > self.x[-1] + BEHIND)]
         wheel, force = wheel[:len(rows)], force[:len(rows)]
-        self.time = run.time[rows]
         level = run.sleeper["displacement"].values[rows]
         self.motion = level - level[0]
-        self.acceleration = run.sleeper["acceleration"].values[rows]
         near = (wheel >= self.x[0]) & (wheel <= self.x[-1])
         self.forces = force[near]
         summary = json.loads((place / "summary.json").read_text(encoding="utf-8"))
@@ -136,10 +138,11 @@ def monitor(passage, folder):
     true, settlement found and true), mm. The train's begin, when its rail is laid, is left out."""
     signals = folder / "signals"
     write.folder(signals)
-    from_laying = passage.time - passage.time[0] > 0.1
-    since, motion = passage.time[from_laying], 1e3 * passage.motion[from_laying, SENSOR]
-    even = np.arange(since[0], since[-1], 1 / 5000)
-    acceleration = np.interp(even, since, passage.acceleration[from_laying, SENSOR])
+    time, displacement, acceleration = passage.record
+    laid = time > 0.1
+    motion = 1e3 * displacement[laid]
+    even = np.arange(0.1, time[-1], 1 / 5000)
+    acceleration = np.interp(even, time, acceleration)
     with open(signals / "train.csv", "w", encoding="utf-8") as file:
         file.write("time_s,a_m_s2\n")
         file.writelines(f"{t - even[0]:.6f},{a:.9g}\n" for t, a in zip(even, acceleration))

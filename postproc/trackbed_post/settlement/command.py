@@ -10,6 +10,7 @@ from trackbed_post import read
 from trackbed_post.settlement import course, laws, traffic
 
 POINTS = 200  # of a curve
+FEWEST = 5    # cycles to which laws are fitted
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,12 +63,10 @@ def axles_as_csv(trains):
 
 
 def fitted(found, begin):
-    """Laws fitted to the mean of the sleepers from cycle `begin` on, computed cycles alone."""
+    """Laws fitted to the mean of the sleepers from cycle `begin` on, computed cycles alone; none if
+    they are too few."""
     use = (found.cycles >= begin) & ~found.jump
-    if use.sum() < 5:
-        raise read.Unreadable(f"only {use.sum()} computed cycles from cycle {begin:g} on: too few "
-                              "to fit laws of settlement")
-    return laws.fit(found.cycles[use], found.mean()[use])
+    return laws.fit(found.cycles[use], found.mean()[use]) if use.sum() >= FEWEST else []
 
 
 def table_of(name, found, fits, checks):
@@ -116,8 +115,9 @@ def forecast_table(forecast, days, curves):
     lines = [f"forecast for {unit}, {days[-1] * forecast.cycles_per_day():.3g} cycles of the run"]
     lines += [f"  {name}: {1e3 * settled[-1]:.2f} mm" for name, settled in curves.items()]
     of_fits = [settled[-1] for name, settled in curves.items() if name.endswith("fitted")]
-    lines.append(f"  the fitted laws differ by {1e3 * np.ptp(of_fits):.2f} mm, which is the least "
-                 "uncertainty beyond the computed cycles")
+    if of_fits:
+        lines.append(f"  the fitted laws differ by {1e3 * np.ptp(of_fits):.2f} mm, which is the "
+                     "least uncertainty beyond the computed cycles")
     return "\n".join(lines) + "\n"
 
 
@@ -146,6 +146,9 @@ def settlement(results, folder, given, forecast=None):
         run = read.results(path)
         found = course.course_of(path)
         fits = fitted(found, given.begin)
+        if not fits:
+            folder.remarks.append(f"{run.name}: fewer than {FEWEST} computed cycles from cycle "
+                                  f"{given.begin:g} on, too few to fit laws of settlement")
         prefix = "" if len(results) == 1 else f"{number + 1}_{run.name}_"
         folder.file(f"{prefix}settlement.csv", course_as_csv(found, run.deck))
         if trains := course.axles_of(path):
