@@ -157,6 +157,7 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            f"{TAMP} stage.sleepers.height=0.1 tamping.lift=0.01":
                "puts the tips of the tines below the",
            "stage.passage.kind=tamp stage.passage.duration=1": "times are those of [tamping]",
+           'periodic=["x"] region.below.x=[0,100]': "over more than 10 periods of the bed along x",
            "region.below.z=[0.1,0.1]": "must be two increasing numbers",
            "region.below.cells=[1.5,1,1]": "must be whole numbers",
            "region.below.cells=[1000,1,11]": "must be at most 10000 cells in total",

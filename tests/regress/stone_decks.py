@@ -183,6 +183,16 @@ def check_idle(bench):
     bench.accepted(lone, law=HERTZ + "restitution = 0.5\n")
 
 
+def check_laws(bench):
+    """Stones of one material need a law with each other, which is said once."""
+    steel = '[[material]]\nname = "steel"\ndensity = 7850\n'
+    balls = "".join(ball(name, [0, 0.1 * k, 0.5]) for k, name in enumerate("abc"))
+    ran = bench.program.done(1, "check", bench.deck(steel + balls), "contact.0.first=steel",
+                             "contact.0.second=steel", code=2)
+    expect(ran.stderr.count('may be in contact with stones of "rock"') == 1
+           and "stone[1].material" in ran.stderr, "the law of a material with itself", ran)
+
+
 def check_steps(bench):
     lone = ball("a", [0, 0, 0.5])
     # sqrt(m/k) / 5 = 20.9 microseconds
@@ -317,7 +327,7 @@ def check_last_row(bench):
 def main():
     folder = pathlib.Path(sys.argv[2])
     shutil.rmtree(folder, ignore_errors=True)
-    checks = [check for check in (check_depths, check_behind, check_idle, check_steps,
+    checks = [check for check in (check_depths, check_behind, check_idle, check_laws, check_steps,
                                   check_sentences, check_names, check_domain, check_last_row)
               if len(sys.argv) < 4 or sys.argv[3] == check.__name__]
 

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 
 #include "model/rules/rules.hpp"
 #include "model/rules/skin_rule.hpp"
@@ -40,16 +41,14 @@ void declare_materials_of_placed(const Model& model, input::Section& s) {
   for (const Parts& more :
        {parts_of("plate", model.placed.plates), parts_of("box", model.placed.boxes)})
     all.insert(all.end(), more.begin(), more.end());
+  std::set<std::string> touch_themselves;  // materials of which this has been looked at
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto& [key, name] = all[i];
     model.physics.rule_of_name(s, key, name);
     if (model.material(name) < 0) continue;
     for (std::size_t j = 0; j < std::min(i, stones.size()); ++j) {
       const std::string& other = stones[j].second;
-      const bool reported =
-          std::any_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(i),
-                      [&name = name](const auto& part) { return part.second == name; });
-      if (reported && other == name) continue;
+      if (other == name && !touch_themselves.insert(name).second) continue;
       s.rule(key, model.material(other) < 0 || model.physics.has_law(name, other),
              fmt::format("may be in contact with stones of \"{}\", but no [[contact]] gives a law "
                          "for this pair",

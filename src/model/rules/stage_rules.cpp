@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "model/rules/rules.hpp"
 
@@ -279,6 +280,8 @@ void declare_stages(const Model& model, input::Section& s) {
          {.reads = {"sleepers.count", "stage"}});
 }
 
+constexpr double most_periods = 10;  // of a region
+
 // Names of regions are groups of the results. A region beside the bed would always be empty.
 void declare_regions(const Model& model, input::Section& s) {
   declare_names("region", "regions", model.regions, {.reads = {"region"}}, s);
@@ -290,6 +293,17 @@ void declare_regions(const Model& model, input::Section& s) {
     const bool ball = region.kind == observe::RegionKind::sphere;
     s.rule(fmt::format("{}.{}", key, ball ? "centre" : apart.axis), apart.words.empty(),
            apart.words, {.reads = {key, "bed", "dimension", "periodic"}});
+    for (const auto& [name, given, extent] :
+         {std::tuple{"x", &region.x, &model.bed.x}, {"y", &region.y, &model.bed.y}}) {
+      const double length = ball ? 2 * region.radius : (*given)[1] - (*given)[0];
+      const double period = (*extent)[1] - (*extent)[0];
+      s.rule(fmt::format("{}.{}", key, ball ? "radius" : name),
+             !model.periodic_in(name) || length <= most_periods * period,
+             fmt::format("extends over more than {:g} periods of the bed along {}, of {:g} m each: "
+                         "each of them is measured",
+                         most_periods, name, period),
+             {.reads = {key, "bed", "dimension", "periodic"}});
+    }
     const std::string_view axis = sticks_out(model, region);
     s.rule(fmt::format("{}.{}", key, axis.empty() ? "x" : axis),
            axis.empty() || !apart.words.empty(),
