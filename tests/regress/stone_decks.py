@@ -184,7 +184,7 @@ def check_idle(bench):
 
 
 def check_laws(bench):
-    """Stones of one material need a law with each other, which is said once."""
+    """Stones of one material need a law with each other; its lack is reported once."""
     steel = '[[material]]\nname = "steel"\ndensity = 7850\n'
     balls = "".join(ball(name, [0, 0.1 * k, 0.5]) for k, name in enumerate("abc"))
     ran = bench.program.done(1, "check", bench.deck(steel + balls), "contact.0.first=steel",
