@@ -14,6 +14,7 @@ import pathlib
 import subprocess
 import sys
 
+import launch  # noqa: F401  # sets what Open MPI needs
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "postproc"))
@@ -42,6 +43,7 @@ VARIANTS = {
 
 
 def run_all(program, folder, ranks):
+    """The Passage of each variant, in turn."""
     for name, (start, words) in VARIANTS.items():
         place = folder / name.replace(", ", "_").replace(" ", "_")
         words = list(words)
@@ -54,7 +56,7 @@ def run_all(program, folder, ranks):
                               stdout=subprocess.DEVNULL).returncode
         if code:
             sys.exit(code)
-        yield name, Passage(name, place)
+        yield Passage(name, place)
 
 
 class Passage:
@@ -64,13 +66,12 @@ class Passage:
         self.name, self.place, run = name, place, read.results(place)
         rows = np.arange(*run.passage().indices(len(run.time))[:2])
         with h5py.File(place / "results.h5") as file:
-            wheel, force = (file[f"history/wheel/{name}"][rows[0]:rows[-1] + 1]
-                            for name in ("x", "force"))
+            wheel, force = (file[f"history/wheel/{quantity}"][rows[0]:rows[-1] + 1]
+                            for quantity in ("x", "force"))
         self.x = run.sleepers_x
-        sensor = {name: run.sleeper[name].values[rows, SENSOR]
-                  for name in ("displacement", "acceleration")}
-        self.record = (run.time[rows] - run.time[rows[0]], sensor["displacement"],
-                       sensor["acceleration"])
+        self.record = (run.time[rows] - run.time[rows[0]],
+                       *(run.sleeper[quantity].values[rows, SENSOR]
+                         for quantity in ("displacement", "acceleration")))
         # All runs up to the same place of the train, since tracks differ in length.
         rows = rows[:np.argmax(wheel[:, -1] > self.x[-1] + BEHIND)]
         wheel, force = wheel[:len(rows)], force[:len(rows)]
@@ -107,12 +108,12 @@ def in_words(value):
 
 
 def table(passages):
-    """Markdown; two rows are called `largest`, hence pairs instead of a dictionary."""
-    rows = [list(one.numbers().items()) for one in passages]
-    lines = [f"| | {' | '.join(one.name for one in passages)} |", "|---" * (len(rows) + 1) + "|"]
-    for number, (name, _) in enumerate(rows[0]):
-        values = [row[number][1] for row in rows]
-        lines.append(f"| {name} | " + " | ".join(map(in_words, values)) + " |")
+    """Markdown."""
+    columns = [one.numbers() for one in passages]
+    lines = [f"| | {' | '.join(one.name for one in passages)} |",
+             "|---" * (len(columns) + 1) + "|"]
+    for name in columns[0]:
+        lines.append(f"| {name} | " + " | ".join(in_words(one[name]) for one in columns) + " |")
     return "\n".join(lines) + "\n"
 
 
@@ -162,8 +163,7 @@ def main():
     parser.add_argument("folder", type=lambda text: pathlib.Path(text).resolve())
     parser.add_argument("--ranks", type=int, default=2)
     given = parser.parse_args()
-    passages = [passage for _, passage in run_all(given.program.resolve(), given.folder,
-                                                  given.ranks)]
+    passages = list(run_all(given.program.resolve(), given.folder, given.ranks))
     folder = write.Folder(given.folder, write.origin_of([one.place for one in passages]))
     folder.picture("bridge", draw(passages))
     found = monitor(passages[0], given.folder)

@@ -21,7 +21,7 @@ RANKS = "1,2,4,8,16,32,64,128,256,512,1024"
 
 
 def run(program, ranks, *words):
-    """(what it printed, summary.json) of a run."""
+    """summary.json of a run."""
     with tempfile.TemporaryDirectory(prefix="trackbed-") as folder:
         command = ["mpirun", "-n", ranks, "--oversubscribe", program, "run", *words, "-o", folder,
                    "--force"]

@@ -12,17 +12,21 @@ MARKERS = "osDvP*Xh"         # of axles in turn
 SHOWN_WHEELS = len(MARKERS)  # the first wheels are shown
 
 
-def train_rows(wheel_x, name):
-    """Rows of the last train: those with wheels on the track since the last time that the first
-    wheel jumped back (a stage may send several trains). `name`: of the run, for messages."""
+def rows_of_trains(wheel_x):
+    """Rows of each train, which have wheels on the track; the next one begins where the first wheel
+    jumps back (a stage may send several trains), or after rows without wheels."""
     there = np.flatnonzero(np.isfinite(wheel_x[:, 0]))
-    if not len(there):
+    ends = np.flatnonzero((np.diff(wheel_x[there, 0]) < 0) | (np.diff(there) > 1)) + 1
+    return [rows for rows in np.split(there, ends) if len(rows)]
+
+
+def train_rows(wheel_x, name):
+    """Rows of the last train. `name`: of the run, for messages."""
+    trains = rows_of_trains(wheel_x)
+    if not trains:
         raise read.Unreadable(f"{name}: no row of the histories has a train on the track: was the "
                               "run stopped before its passage?")
-    back = np.flatnonzero(np.diff(wheel_x[there, 0]) < 0)
-    gap = np.flatnonzero(np.diff(there) > 1)
-    first = max([0, *(back + 1), *(gap + 1)])
-    return there[first:]
+    return trains[-1]
 
 
 def under_axles(wheel_x, sleepers_x, displacement, reach):

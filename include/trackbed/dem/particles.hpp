@@ -152,8 +152,8 @@ struct FastParticle {
   double travel, radius;  // m; the smallest radius of its pieces
 };
 
-// What ranks would have to do if there were more of them; of the busiest one and of the mean. Work
-// is counted as for the load balance, ns in a sub-step on one core.
+// Work and messages of a sub-step if the particles were distributed over some number of ranks: of
+// the rank that has most, and the mean. Work is counted as for the load balance, ns on one core.
 struct Decomposition {
   double work_most = 0, work_mean = 0;              // ns, of a rank, ghosts included
   double particles_most = 0, particles_mean = 0;    // own
@@ -221,7 +221,7 @@ class Particles {
   std::string trouble();
   void set_local_damping(double alpha);  // overrides the materials' value; < 0: restores it
   void set_friction(double mu);          // overrides that of all contacts; < 0: restores it
-  void scale_friction(double factor);    // the same by a factor
+  void scale_friction(double factor);    // overrides it by this times that of the contact laws
   void stop();  // all velocities to zero (end of a packing stage), except those of held particles
   // Particles with this id and higher ones, which are still to be added, have this fraction of
   // their size, in (0, 1], and all of their mass; all of these then grow to a larger one. Local, to

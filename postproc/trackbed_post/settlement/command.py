@@ -15,8 +15,8 @@ FEWEST = 5    # cycles to which laws are fitted
 
 @dataclasses.dataclass(frozen=True)
 class Forecast:
-    """Over which traffic settlements are extrapolated. `axles` of a cycle of the run, its axle
-    load, t, `power` of the axle load in settlement, duration in days."""
+    """The traffic over which settlements are extrapolated, for some days. A cycle of the run
+    represents `axles` axles of `axle_load` t; `power`: see Traffic.axles_per_day."""
     traffic: traffic.Traffic
     days: float
     axles: float

@@ -107,9 +107,7 @@ def axles_of(path):
         return []
     x = every["history/wheel/x"].values
     x = x.reshape(len(x), -1)[:, ::2 if "history/seat/force" in every else 1]
-    there = np.flatnonzero(np.isfinite(x[:, 0]))
-    ends = np.flatnonzero((np.diff(x[there, 0]) < 0) | (np.diff(there) > 1)) + 1
     spacing = run.deck["sleepers"]["spacing"]
     level = run.sleeper["displacement"].values
     return [(number + 1, train_figures.under_axles(x[rows], run.sleepers_x, level[rows], spacing))
-            for number, rows in enumerate(np.split(there, ends)) if len(rows) > 1]
+            for number, rows in enumerate(train_figures.rows_of_trains(x))]
