@@ -28,7 +28,7 @@ dem::Template compound(const geom::Piece& whole, int parts) {
 
 // Spheres fill the rounded surface; inside the core alone they would be too small.
 dem::Template filled(const geom::Piece& whole, int spheres) {
-  const auto made = geom::clump(geom::surface_of(whole), spheres).spheres;
+  const auto made = geom::spheres_filling(whole, spheres);
   return geom::template_of(balls(made), geom::union_solid(made, union_columns),
                            geom::smallest_hole(made));
 }

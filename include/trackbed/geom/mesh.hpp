@@ -34,11 +34,13 @@ Solid mesh_solid(const Mesh& mesh);
 double surface_area(const Mesh& mesh);  // m^2
 
 // Surface of a rounded piece, for display: its corners become parts of balls cut into triangles,
-// `fineness` along a quarter of a turn; inside the true surface by up to 0.3 radius/fineness^2.
+// `fineness` along a quarter of a turn; inside the true surface by up to radius/fineness^2.
 Mesh surface_of(const Piece& piece, int fineness = 4);
 
 // Depth of points inside a closed mesh, m; negative outside (CGAL).
 std::vector<double> depths(const Mesh& mesh, const std::vector<Vec3>& points);
+// The same for a rounded convex piece; of points outside at least a bound, exact within a radius.
+std::vector<double> depths(const Piece& piece, const std::vector<Vec3>& points);
 
 // Hull of a mesh with at most `vertices` corners: the corner that is furthest outside the present
 // hull is added until there are enough. It is inside the full hull, and equal to it if `vertices`
@@ -65,5 +67,8 @@ struct Clump {
 // the one that adds most volume is taken repeatedly; then all radii are increased by the same
 // amount until the union has the volume of the mesh.
 Clump clump(const Mesh& mesh, int spheres);
+// The same spheres for a rounded convex piece, without the measures: 50 times as fast as for a mesh
+// of its surface.
+std::vector<Sphere> spheres_filling(const Piece& piece, int spheres);
 
 }  // namespace trackbed::geom

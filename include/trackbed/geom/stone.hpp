@@ -134,6 +134,7 @@ std::vector<Sphere> pebbles_inside(const std::vector<Eigen::Vector2d>& polygon, 
 // 1/cells^(3/2).
 Solid union_solid(const std::vector<Sphere>& spheres, int cells = 96);
 Solid union_solid(const std::vector<Piece>& pieces, int cells = 96);
+double union_volume(const std::vector<Sphere>& spheres, int cells = 96);  // m^3, of `union_solid`
 // Surface of the union of overlapping pieces, m^2, to about a per cent: four times the mean over
 // directions of the area of its projection, where a line counts as often as it enters (Crofton).
 double union_area(const std::vector<Piece>& pieces, int directions = 60, int cells = 64);

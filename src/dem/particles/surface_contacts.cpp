@@ -148,13 +148,16 @@ void Particles::Impl::apply_ball_contact(Approach& a, const MeshContact& c, cons
 
 double Particles::Impl::touch_with_ball(Approach& a, const SubStep& step) {
   thread_local std::vector<MeshContact> found;  // keeps its capacity: no allocation per step
-  const auto p = static_cast<std::size_t>(a.piece);
+  const auto p = static_cast<std::size_t>(a.piece), k = static_cast<std::size_t>(a.surface);
   const Vec4& piece =
       shapes.only_spheres() ? state.x[static_cast<std::size_t>(pieces.body[p])] : pieces.x[p];
+  const double path = surface_path[k] + step.fraction * surface_travel[k];
+  if (a.clear.holds(piece, path)) return 0;
+  const Ball ball{piece.vec3() + a.shift, piece.w};
   found.clear();
-  meshes[static_cast<std::size_t>(a.surface)].touch({piece.vec3() + a.shift, piece.w}, a.triangles,
-                                                    *surfaces[static_cast<std::size_t>(a.surface)],
-                                                    step.fraction, found);
+  meshes[k].touch(ball, a.triangles, *surfaces[k], step.fraction, found);
+  if (found.empty())
+    a.clear = {piece, path + meshes[k].distance(ball, a.triangles, *surfaces[k], step.fraction)};
   double worst = 0;
   for (const MeshContact& c : found) {
     apply_ball_contact(a, c, step);

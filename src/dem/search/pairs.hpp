@@ -6,6 +6,7 @@
 // ghosts is left out: it is computed by its owners.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "dem/law/laws.hpp"
@@ -80,6 +81,23 @@ struct StoneList : PairList {
 };
 
 // A piece near a surface. Of own particles only.
+// Where the centre of a ball was while it did not touch a surface, m, beside the piece; and the sum
+// of the distance from there and of the surface's path until then: before centre and surface have
+// moved as far, less the radius, they cannot touch.
+struct Clearance {
+  Vec4 from{};
+  double until = -std::numeric_limits<double>::infinity();  // m
+  // Whether a ball at (x, y, z) of radius w cannot touch yet; the margin is above all rounding, so
+  // that no contact depends on when the clearance was measured. Never with a position that is not a
+  // number: that is reported elsewhere.
+  bool holds(const Vec4& ball, double path) const {
+    constexpr double margin = 1 + 1e-9;
+    const double dx = ball.x - from.x, dy = ball.y - from.y, dz = ball.z - from.z;
+    const double left = until - path - margin * ball.w;
+    return left > 0 && dx * dx + dy * dy + dz * dz < left * left;
+  }
+};
+
 struct Approach {
   std::int32_t piece;
   std::int32_t surface;
@@ -102,6 +120,7 @@ struct Approach {
   };
   std::vector<Patch> patches;  // those in contact, ascending
   NearFeatures near;           // of a piece with several corners
+  Clearance clear;             // of a ball
 };
 
 // Input of the search for pairs and approaches.

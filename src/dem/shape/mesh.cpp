@@ -66,6 +66,15 @@ Closest Mesh::closest(const Vec3& p, int triangle, const Surface& surface, doubl
   return result;
 }
 
+double Mesh::distance(const Ball& ball, const std::vector<int>& candidates, const Surface& surface,
+                      double s) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const int t : candidates)
+    least = std::min(least,
+                     std::abs(closest(ball.centre, t, surface, s, Vec3::Zero()).contact.distance));
+  return least;
+}
+
 // The side of the surface on which a point beside an edge or a corner of the closest triangle is.
 bool Mesh::determine_side(Closest& c, const Vec3& p, const Surface& surface, double s,
                           const Vec3& origin) const {

@@ -78,6 +78,10 @@ class Mesh {
   void touch(const Ball& ball, const std::vector<int>& candidates, const Surface& surface, double s,
              std::vector<MeshContact>& found) const;
 
+  // Distance of the centre of the ball from the nearest candidate, m, whichever side it is on.
+  double distance(const Ball& ball, const std::vector<int>& candidates, const Surface& surface,
+                  double s) const;
+
   // Closest point of a triangle to p; p and the point are relative to `origin`. If the triangle's
   // plane is farther away than `reach` (m), only the distance is set, to infinity.
   Closest closest(const Vec3& p, int triangle, const Surface& surface, double s, const Vec3& origin,

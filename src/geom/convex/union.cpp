@@ -190,6 +190,16 @@ Solid union_solid(const std::vector<Sphere>& spheres, int cells) {
   return solid_by_lines(spheres, cells);
 }
 
+double union_volume(const std::vector<Sphere>& spheres, int cells) {
+  double volume = 0;
+  std::vector<Interval> parts;
+  along_lines(box_of(spheres), cells, [&](double y, double z, double area) {
+    merge(spheres, y, z, parts);
+    for (const auto& [from, to] : parts) volume += area * (to - from);
+  });
+  return volume;
+}
+
 Solid union_solid(const std::vector<Piece>& pieces, int cells) {
   return solid_by_lines(pieces, cells);
 }

@@ -25,6 +25,39 @@ TEST(Depths, OfACube) {
   EXPECT_NEAR(found[3], -std::sqrt(2), rounding);
 }
 
+// A point in each place: within the core, near a face, an edge and a corner, and outside of each.
+TEST(Depths, OfARoundedCube) {
+  std::vector<Vec3> corners;
+  for (int k = 0; k < 8; ++k) corners.emplace_back(k & 1, k >> 1 & 1, k >> 2);
+  const Piece piece{convex_hull(corners), 0.5};
+  const std::vector<Vec3> points{{0.5, 0.5, 0.5}, {0.5, 0.5, 1.2}, {0.5, 1.2, 1.2},
+                                 {1.2, 1.2, 1.2}, {0.5, 1.4, 1.4}, {0.5, 0.5, 3}};
+  const std::vector<double> wanted{
+      1, 0.3, 0.5 - 0.2 * std::sqrt(2), 0.5 - 0.2 * std::sqrt(3), 0.5 - 0.4 * std::sqrt(2), -1.5};
+  const std::vector<double> found = depths(piece, points);
+  for (std::size_t k = 0; k < points.size(); ++k) EXPECT_NEAR(found[k], wanted[k], rounding) << k;
+}
+
+TEST(Depths, OfAStoneAreThoseOfItsSurface) {
+  const Piece stone = rounded_stone({}, 0.1, 3);
+  std::vector<Vec3> points;
+  for (std::uint64_t k = 0; k < 2000; ++k)
+    points.push_back(0.6 * Vec3(2 * uniform(1, 3 * k) - 1, 2 * uniform(1, 3 * k + 1) - 1,
+                                2 * uniform(1, 3 * k + 2) - 1));
+  constexpr int fineness = 12;
+  const std::vector<double> exact = depths(stone, points),
+                            mesh = depths(surface_of(stone, fineness), points);
+  const double chord = stone.radius / (fineness * fineness);
+  int inside = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (exact[k] < 0) EXPECT_LT(mesh[k], 0) << k;
+    if (exact[k] < 0) continue;
+    EXPECT_NEAR(exact[k], mesh[k], chord) << k;
+    ++inside;
+  }
+  EXPECT_GT(inside, 200);
+}
+
 TEST(ReducedHull, HasTheRequestedCornersAndStaysInside) {
   const Mesh sphere = ball_mesh();
   double before = 0;
@@ -144,6 +177,17 @@ TEST(Clump, OfABallIsTheBall) {
   ASSERT_EQ(made.spheres.size(), 1u);
   EXPECT_NEAR(made.spheres[0].radius, 1, 0.01);  // the mesh is inside the ball
   EXPECT_LT(made.surface_furthest, 0.05);        // grid of a fortieth of the size
+}
+
+// The spheres of a stone and those of a mesh of its surface differ as mesh and stone do.
+TEST(Clump, OfAStoneHasItsVolume) {
+  const Piece stone = rounded_stone({}, 0.05, 7);
+  const std::vector<Sphere> spheres = spheres_filling(stone, 8);
+  ASSERT_EQ(spheres.size(), 8u);
+  const double volume = piece_solid(stone).volume;
+  EXPECT_NEAR(union_volume(spheres, 400) / volume, 1, raster);
+  const std::vector<Sphere> of_mesh = clump(surface_of(stone), 8).spheres;
+  EXPECT_NEAR(of_mesh[0].radius, spheres[0].radius, 0.01 * spheres[0].radius);
 }
 
 TEST(Clump, MoreSpheresComeNearer) {
