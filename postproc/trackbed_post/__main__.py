@@ -92,7 +92,10 @@ def film(given):
 
 def write_report(given):
     """one HTML file of a run, or of two side by side"""
-    report.write_report(given.results, given.output, given.over)
+    if given.every:
+        report.follow(given.results, given.output, given.over, given.every)
+    else:
+        report.write_report(given.results, given.output, given.over)
     print(f"{given.output}: {given.output.stat().st_size / 1e6:.1f} MB")
 
 
@@ -247,6 +250,9 @@ def parser():
     one.add_argument("--over", nargs=2, action="append", default=[],
                      metavar=("QUANTITY", "FILE.csv[:X:Y]"),
                      help="draws a measured or published curve over this quantity")
+    one.add_argument("--every", type=positive, metavar="SECONDS",
+                     help="writes the report again and again while a run computes; a browser "
+                     "loads it as often")
     one = command("film", film)
     takes_runs(one)
     writes(one, "FILE.gif")

@@ -1,16 +1,18 @@
 """One HTML file of a run, or of two side by side: what was modelled, stages, warnings, figures,
 numbers, balances and cost. It needs no other file and can be sent as it is.
 
-Figures and numbers are those of the command `figures`. While a run goes on, the report shows what
-its histories hold up to now; stages, balances and cost follow when summary.json exists.
+Figures and numbers are those of the command `figures`. While a run goes on, the report shows how far
+it is and what its histories hold up to now; stages, balances and cost follow when summary.json
+exists. A report can be written again and again until its runs have ended.
 """
 import base64
 import functools
 import html
 import pathlib
 import tempfile
+import time
 
-from trackbed_post import curves, kinds, read, write
+from trackbed_post import curves, kinds, progress, read, write
 
 
 STYLE = """
@@ -37,6 +39,8 @@ class Run:
         return self.folder.resolve().name
 
     def state(self):
+        if progress.computes(self.folder):
+            return "still running"
         if not self.summary:
             return "still running, or failed (no summary.json)"
         return "finished" if self.summary["finished"] else "stopped early"
@@ -147,10 +151,25 @@ def figures_of(runs, folder, over):
     return "\n".join(parts)
 
 
-def page(runs, folder, over):
+def progress_of(runs, folder):
+    """Table and figures of the events of the runs; nothing without events."""
+    rows = side_by_side(runs, lambda run: progress.facts_of(run.folder))
+    if not rows:
+        return []
+    parts = [element("h2", "Progress"), table(["", *(run.name for run in runs)], rows)]
+    for i, run in enumerate(runs):
+        made = write.Folder(folder / f"progress_{i}", write.origin_of([run.folder]))
+        progress.draw_into(run.folder, made)
+        parts += [embedded(path) for path in made.pictures]
+        parts += [element("p", f"{run.name}: {one}") for one in made.remarks]
+    return parts
+
+
+def page(runs, folder, over, every=0):
+    """`every`: seconds after which a browser loads the page again; 0: never."""
     head = ["", *(run.name for run in runs)]
     parts = [element("h1", " and ".join(run.name for run in runs)),
-             table(head, side_by_side(runs, facts_of)),
+             table(head, side_by_side(runs, facts_of)), *progress_of(runs, folder),
              element("h2", "Warnings"), warnings_of(runs),
              element("h2", "Figures and numbers"), figures_of(runs, folder, over)]
     for run in runs:
@@ -165,13 +184,14 @@ def page(runs, folder, over):
     for run in runs:
         parts.append(f"<details>{element('summary', run.name)}{element('pre', run.text)}</details>")
     title = element("title", "trackbed: " + " and ".join(run.name for run in runs))
-    return (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">{title}'
+    again = f'<meta http-equiv="refresh" content="{every:g}">' if every else ""
+    return (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">{again}{title}'
             f"<style>{STYLE}</style></head>\n<body>\n" + "\n".join(parts) + "\n</body></html>\n")
 
 
-def write_report(results, file, over=()):
+def write_report(results, file, over=(), every=0):
     """Writes the report of one run or of two, given by their folders. `over`: (quantity, file) of
-    measured or published curves, as in curves.draw_into()."""
+    measured or published curves, as in curves.draw_into(). `every`: of the page."""
     if len(results) > 2:
         raise read.Unreadable("give one or two result folders")
     runs = [Run(folder) for folder in results]
@@ -181,4 +201,18 @@ def write_report(results, file, over=()):
         curves.of_run(runs[0].folder, quantity)
     write.folder(file.resolve().parent)
     with tempfile.TemporaryDirectory() as folder:
-        write.whole(file, page(runs, pathlib.Path(folder), over).encode())
+        write.whole(file, page(runs, pathlib.Path(folder), over, every).encode())
+
+
+def follow(results, file, over, every):
+    """Writes the report every so many seconds while one of the runs computes, and once more when
+    none does. Results that cannot be read, as in the moment in which they are written, leave the
+    report as it was."""
+    folders = [read.folder_of(one) for one in results]
+    while any(progress.computes(one) for one in folders):
+        try:
+            write_report(results, file, over, every)
+        except read.Unreadable as why:
+            print(f"the report stays as it was: {why}", flush=True)
+        time.sleep(every)
+    write_report(results, file, over)

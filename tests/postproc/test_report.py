@@ -1,13 +1,16 @@
 """The report of one run and of two: complete, well formed and without other files."""
+import fcntl
 import html.parser
 import json
+import threading
+import time
 
 import conftest
 import h5py
 import numpy as np
 import pytest
 from made import store
-from trackbed_post import kinds, read, report
+from trackbed_post import kinds, progress, read, report
 
 VOID = {"meta", "img"}
 
@@ -168,3 +171,61 @@ def test_unlike_runs_and_other_files_are_refused(tmp_path):
     store(bed / "results.h5", {}, version="0")
     with pytest.raises(read.Unreadable, match="not a results.h5"):
         report.Run(bed)
+
+
+def events(folder, *last):
+    """A run that began 100 s ago, made progress and wrote a checkpoint."""
+    now = time.time()
+    common = {"stage": "fill", "stage_number": 1, "stages": 2, "windows_at_most": 200}
+    lines = [{"event": "begin", "unix_time_s": now - 100, "window": 0, "time_s": 0, **common},
+             *({"event": "progress", "unix_time_s": now - 100 + k, "window": k, "time_s": 0.01 * k,
+                "speed": 0.01, "remaining_s": 3725, "kinetic_j": 10.0**-k, **common}
+               for k in range(1, 6)),
+             {"event": "checkpoint", "unix_time_s": now - 65, "window": 50, "time_s": 0.5,
+              "file": "stage_fill.h5", **common}, *last]
+    (folder / progress.FILE).write_text("".join(json.dumps(one) + "\n" for one in lines)
+                                        + '{"event": "prog')
+    (folder / ".lock").touch()
+
+
+def test_progress_of_runs_that_ended(tmp_path):
+    one = made(tmp_path / "one", ended=False)
+    assert progress.facts_of(one) == {}
+    events(one)
+    facts = progress.facts_of(one)
+    assert facts["run"] == "was killed" and "remaining" not in " ".join(facts)
+    assert facts["stage"] == "1 of 2, fill (25 % of its windows)"
+    assert facts["last checkpoint"].startswith("stage_fill.h5 at 0.5 s, 0:01:0")
+    end = {"event": "end", "unix_time_s": time.time(), "outcome": "failed", "message": "lost",
+           "stage": "fill", "stage_number": 1, "stages": 2, "time_s": 0.5}
+    events(one, end)
+    assert progress.facts_of(one)["run"] == "failed: lost"
+    ran, path = write_report(tmp_path, one)
+    assert ran.returncode == 0, ran.stderr
+    page = Page(path.read_text(encoding="utf-8"))
+    assert "Progress" in page.text["h2"] and "failed: lost" in page.text["td"]
+    assert "http-equiv" not in path.read_text(encoding="utf-8")
+
+
+def test_the_report_follows_a_run_until_it_ends(tmp_path):
+    one = made(tmp_path / "one", ended=False)
+    events(one)
+    path = tmp_path / "out/report.html"
+    with open(one / ".lock") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        facts = progress.facts_of(one)
+        assert facts["run"] == "computes" and "1:02:05" in facts.values()
+        follower = threading.Thread(target=conftest.call, args=(
+            "report", one, "-o", path, "--every", "0.2"))
+        follower.start()
+        for _ in range(200):
+            if path.is_file():
+                break
+            time.sleep(0.1)
+        text = path.read_text(encoding="utf-8")
+        assert '<meta http-equiv="refresh" content="0.2">' in text and "still running" in text
+        assert follower.is_alive()
+    follower.join(30)
+    assert not follower.is_alive()
+    text = path.read_text(encoding="utf-8")
+    assert "http-equiv" not in text and "was killed" in text

@@ -55,7 +55,7 @@ struct Particles::Impl {
   // Begin a sub-step with one or two half kicks (kick.hpp).
   void kick_and_drift(double dt, int halves);
   void kick_and_drift_spheres(double dt, int halves);
-  void drift_in_space(double dt);
+  void drift_and_rotate(double dt);
   double motion_since_rebuild(std::size_t b) const;  // m, of a surface point
   void kick(double dt, int halves);
   double local_damping_of(std::size_t b) const;
@@ -263,7 +263,7 @@ struct Particles::Impl {
   std::vector<Vec4> reference_x, reference_q;  // own poses at the last rebuild
   double reference_grown = 1;                  // fraction of their size then
   double largest_motion = 0;  // m, of a surface point of an own particle since then
-  double largest_speed = 0;   // m/s, of a slow own sphere in this sub-step; not stored for others
+  double largest_speed = 0;   // m/s, of a slow own particle in this sub-step
 
   // Not owned.
   std::vector<Surface*> surfaces;

@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "dem/particles/impl.hpp"
 
@@ -22,14 +21,10 @@ namespace trackbed::dem {
 
 namespace {
 
-// m, smallest radius of a piece (of one with corners: its rounding), at full size; of a fragment at
-// its present size.
+// m, of a piece at full size; of a fragment at its present size.
 double smallest_radius(const State& state, const Shapes& shapes, std::size_t b) {
-  double least = std::numeric_limits<double>::infinity();
-  const std::int64_t shape = state.shape[b];
-  for (std::size_t k = shapes.begin(shape); k < shapes.end(shape); ++k)
-    least = std::min(least, shapes.core(k).radius);
-  return least * (state.is_fragment(b) ? state.scale_now(b) : state.scale[b]);
+  return shapes.least_radius(state.shape[b]) *
+         (state.is_fragment(b) ? state.scale_now(b) : state.scale[b]);
 }
 
 }  // namespace

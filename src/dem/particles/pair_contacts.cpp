@@ -250,9 +250,8 @@ double Particles::Impl::speed(std::size_t b) const {
 // Of all slow particles in this sub-step, own and ghosts, m/s. A value that is not a number ends
 // the margin.
 double Particles::Impl::fastest_slow() const {
-  const bool spheres = shapes.only_spheres();
-  double fastest = spheres ? largest_speed : 0;
-  for (std::size_t b = spheres ? state.own : 0; b < state.size(); ++b)
+  double fastest = largest_speed;
+  for (std::size_t b = state.own; b < state.size(); ++b)
     fastest = not_below(near.slow[b] * speed(b), fastest);
   return fastest;
 }

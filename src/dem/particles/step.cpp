@@ -12,18 +12,6 @@ namespace trackbed::dem {
 
 namespace {
 
-// Rotates an attitude of a plane model about y by `angle`: exact, since its momentum does not
-// rotate. c, s: cosine and sine of half the angle, as in rotation.cpp.
-void rotate_in_plane(Vec4& attitude, double angle) {
-  const double x = 0.25 * angle, x2 = x * x;
-  const double t = std::abs(angle) < 0.1 ? x * (1 + x2 * (1.0 / 3 + x2 * (2.0 / 15))) : std::tan(x);
-  const double over = 1 / (1 + t * t), c = (1 - t * t) * over, s = 2 * t * over;
-  const Quat q = quat(attitude);
-  const Quat turned(c * q.w() - s * q.y(), c * q.x() - s * q.z(), c * q.y() + s * q.w(),
-                    c * q.z() + s * q.x());
-  attitude = vec4(turned.normalized());
-}
-
 // A body of prescribed spin rotates about it, and its angular momentum follows the attitude. The
 // spin is computed from the momentum, as everywhere, so that it does not depend on a change of
 // ranks.
@@ -126,18 +114,23 @@ double Particles::Impl::motion_since_rebuild(std::size_t b) const {
   return moved + 2.1 * x.w * std::sqrt(cx * cx + cy * cy + cz * cz + cw * cw);
 }
 
-// Eight bodies at a time, except those with prescribed spin.
-void Particles::Impl::drift_in_space(double dt) {
+// Eight bodies at a time, except those of space with prescribed spin.
+void Particles::Impl::drift_and_rotate(double dt) {
   thread_local std::vector<std::pair<std::size_t, Vec4>> steady;  // and their attitudes
   steady.clear();
-  for (std::size_t b = 0; b < state.own; ++b)
+  const bool space = domain.dimension == Dimension::space;
+  for (std::size_t b = 0; b < state.own && space; ++b)
     if (state.held[b] != 0) steady.emplace_back(b, state.q[b]);
-  largest_motion = drift_and_rotate(state, dt, reference_x, reference_q);
+  const LargestMotion largest =
+      dem::drift_and_rotate(state, domain.dimension, dt,
+                            {reference_x, reference_q, near_valid ? near.slow.data() : nullptr});
+  largest_motion = largest.displacement, largest_speed = largest.slow_speed;
   for (const auto& [b, attitude] : steady) {
     state.q[b] = attitude;
     rotate_steadily(state.q[b], state.l[b], state.inertia[b], dt);
     update_spin(b);
     largest_motion = not_below(motion_since_rebuild(b), largest_motion);
+    if (near_valid) largest_speed = not_below(near.slow[b] * speed(b), largest_speed);
   }
 }
 
@@ -172,17 +165,7 @@ void Particles::Impl::kick_and_drift_spheres(double dt, int halves) {
 void Particles::Impl::kick_and_drift(double dt, int halves) {
   if (shapes.only_spheres()) return kick_and_drift_spheres(dt, halves);
   kick(dt, halves);
-  if (domain.dimension == Dimension::space) return drift_in_space(dt);
-  double motion = 0;
-  for (std::size_t b = 0; b < state.own; ++b) {
-    Vec4& x = state.x[b];
-    const Vec4 &v = state.v[b], &l = state.l[b], &inertia = state.inertia[b];
-    x.x += dt * v.x, x.y += dt * v.y, x.z += dt * v.z;
-    rotate_in_plane(state.q[b], dt * l.y / inertia.y);
-    update_spin(b);
-    motion = not_below(motion_since_rebuild(b), motion);
-  }
-  largest_motion = motion;
+  drift_and_rotate(dt);
 }
 
 // Nodes that are unknown on this rank are not a number and do not count.

@@ -55,6 +55,21 @@ template <int a>
   momentum[b] = cos * lb + sin * ld, momentum[d] = cos * ld - sin * lb;
 }
 
+// Rotates the attitude about y by `angle`, in space axes: exact in a plane model, whose momentum
+// does not rotate.
+[[gnu::always_inline]] inline void turn_in_plane(Lanes (&q)[4], Lanes angle) {
+  const Lanes t = tangent_of_quarter(angle), over = all(1) / (all(1) + t * t);
+  const Lanes c = (all(1) - t * t) * over, s = 2 * t * over;
+  const Lanes x = q[0], y = q[1], z = q[2], w = q[3];
+  q[0] = c * x + s * z, q[1] = c * y + s * w, q[2] = c * z - s * x, q[3] = c * w - s * y;
+}
+
+// Removes rounding errors only: every rotation keeps |q|.
+[[gnu::always_inline]] inline void normalise(Lanes (&q)[4]) {
+  const Lanes norm = all(1) / root(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  for (Lanes& v : q) v = v * norm;
+}
+
 // The attitude after dt; over_inertia: 1/I of the principal axes.
 [[gnu::always_inline]] inline void rotate(Lanes (&q)[4], const Triple<Lanes>& momentum,
                                           const Triple<Lanes>& over_inertia, double dt) {
@@ -65,53 +80,102 @@ template <int a>
   turn<2>(q, l, dt * l[2] * over_inertia.z);
   turn<1>(q, l, 0.5 * dt * l[1] * over_inertia.y);
   turn<0>(q, l, 0.5 * dt * l[0] * over_inertia.x);
-  // Removes rounding errors only: every part keeps |q|.
-  const Lanes norm = all(1) / root(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  for (Lanes& v : q) v = v * norm;
+  normalise(q);
 }
 
 // Eight consecutive bodies.
 struct Bodies {
   Vec4 *x, *q, *w;
   const Vec4 *v, *l, *inertia, *reference_x, *reference_q;
+  const double* slow;
+};
+
+// m, displacement of a surface point since the reference; m/s, of those that are slow.
+struct Motions {
+  Lanes displacement, speed;
 };
 
 [[gnu::always_inline]] inline void store(const Lanes4& v, Vec4* to) {
   to_rows(v, [to](std::size_t k, Four row) { put(to[k], row); });
 }
 
-Lanes drift_and_rotate(const Bodies& b, double dt) {
+template <bool plane>
+Motions drift_and_rotate(const Bodies& b, double dt) {
   const Lanes4 v = rows(b.v), q0 = rows(b.q), l = rows(b.l), inertia = rows(b.inertia);
   Lanes4 x = rows(b.x);
   x.x = x.x + dt * v.x, x.y = x.y + dt * v.y, x.z = x.z + dt * v.z;
   store(x, b.x);
-  const Triple<Lanes> momentum{l.x, l.y, l.z};
-  const Triple<Lanes> over_inertia{all(1) / inertia.x, all(1) / inertia.y, all(1) / inertia.z};
   Lanes q[4] = {q0.x, q0.y, q0.z, q0.w};
-  rotate(q, momentum, over_inertia, dt);
+  Triple<Lanes> w{all(0), l.y / inertia.y, all(0)};
+  if constexpr (plane) {
+    turn_in_plane(q, dt * w.y);
+    normalise(q);
+  } else {
+    const Triple<Lanes> momentum{l.x, l.y, l.z};
+    const Triple<Lanes> over_inertia{all(1) / inertia.x, all(1) / inertia.y, all(1) / inertia.z};
+    rotate(q, momentum, over_inertia, dt);
+    w = spin(q, momentum, over_inertia);
+  }
   store({q[0], q[1], q[2], q[3]}, b.q);
-  const Triple<Lanes> w = spin(q, momentum, over_inertia);
   store({w.x, w.y, w.z, all(0)}, b.w);
   const Lanes4 from = rows(b.reference_x), before = rows(b.reference_q);
   const Lanes dx = x.x - from.x, dy = x.y - from.y, dz = x.z - from.z;
   const Lanes cx = q[0] - before.x, cy = q[1] - before.y, cz = q[2] - before.z,
               cw = q[3] - before.w;
   // |q - q0| = 2 sin(angle/4) or more; 2.1 covers angles up to 1 rad.
-  return root(dx * dx + dy * dy + dz * dz) +
-         2.1 * x.w * root(cx * cx + cy * cy + cz * cz + cw * cw);
+  Motions motions;
+  motions.displacement =
+      root(dx * dx + dy * dy + dz * dz) + 2.1 * x.w * root(cx * cx + cy * cy + cz * cz + cw * cw);
+  motions.speed = all(0);
+  if (b.slow) {
+    Lanes slow;
+    for (std::size_t k = 0; k < lanes; ++k) slow[k] = b.slow[k];
+    motions.speed = slow * (root(v.x * v.x + v.y * v.y + v.z * v.z) +
+                            x.w * root(w.x * w.x + w.y * w.y + w.z * w.z));
+  }
+  return motions;
 }
 
 // Fewer than eight: in a copy, with the last one repeated.
-Lanes drift_and_rotate_rest(const Bodies& b, std::size_t count, double dt) {
+template <bool plane>
+Motions drift_and_rotate_rest(const Bodies& b, std::size_t count, double dt) {
   Vec4 x[lanes], q[lanes], w[lanes], v[lanes], l[lanes], inertia[lanes], from[lanes], before[lanes];
+  double slow[lanes];
   for (std::size_t k = 0; k < lanes; ++k) {
     const std::size_t n = std::min(k, count - 1);
     x[k] = b.x[n], q[k] = b.q[n], v[k] = b.v[n], l[k] = b.l[n], inertia[k] = b.inertia[n];
-    from[k] = b.reference_x[n], before[k] = b.reference_q[n];
+    from[k] = b.reference_x[n], before[k] = b.reference_q[n], slow[k] = b.slow ? b.slow[n] : 0;
   }
-  const Lanes moved = drift_and_rotate({x, q, w, v, l, inertia, from, before}, dt);
+  const Motions motions =
+      drift_and_rotate<plane>({x, q, w, v, l, inertia, from, before, b.slow ? slow : nullptr}, dt);
   std::copy_n(x, count, b.x), std::copy_n(q, count, b.q), std::copy_n(w, count, b.w);
-  return moved;
+  return motions;
+}
+
+// As `not_below`, in each lane.
+[[gnu::always_inline]] inline Lanes larger(Lanes a, Lanes most) {
+  // NOLINTNEXTLINE(misc-redundant-expression): true of what is not a number
+  return select((a <= most) | (most != most), most, a);
+}
+
+template <bool plane>
+LargestMotion all_drift_and_rotate(State& state, double dt, const Reference& since) {
+  Lanes displacement = all(0), speed = all(0);
+  for (std::size_t b = 0; b < state.own; b += lanes) {
+    const Bodies bodies{&state.x[b], &state.q[b], &state.w[b],
+                        &state.v[b], &state.l[b], &state.inertia[b],
+                        &since.x[b], &since.q[b], since.slow ? since.slow + b : nullptr};
+    const std::size_t count = std::min(lanes, state.own - b);
+    const Motions moved = count == lanes ? drift_and_rotate<plane>(bodies, dt)
+                                         : drift_and_rotate_rest<plane>(bodies, count, dt);
+    displacement = larger(moved.displacement, displacement), speed = larger(moved.speed, speed);
+  }
+  LargestMotion largest;
+  for (std::size_t k = 0; k < lanes; ++k) {
+    largest.displacement = not_below(displacement[k], largest.displacement);
+    largest.slow_speed = not_below(speed[k], largest.slow_speed);
+  }
+  return largest;
 }
 
 }  // namespace
@@ -137,21 +201,10 @@ Vec4 spin_of(const Vec4& attitude, const Vec4& momentum, const Vec4& inertia) {
   return {w.x, w.y, w.z, 0};
 }
 
-double drift_and_rotate(State& state, double dt, const std::vector<Vec4>& reference_x,
-                        const std::vector<Vec4>& reference_q) {
-  Lanes most = all(0);
-  for (std::size_t b = 0; b < state.own; b += lanes) {
-    const Bodies bodies{&state.x[b], &state.q[b],       &state.w[b],     &state.v[b],
-                        &state.l[b], &state.inertia[b], &reference_x[b], &reference_q[b]};
-    const std::size_t count = std::min(lanes, state.own - b);
-    const Lanes moved =
-        count == lanes ? drift_and_rotate(bodies, dt) : drift_and_rotate_rest(bodies, count, dt);
-    // As `not_below`. NOLINTNEXTLINE(misc-redundant-expression): true of what is not a number
-    most = select((moved <= most) | (most != most), most, moved);
-  }
-  double motion = 0;
-  for (std::size_t k = 0; k < lanes; ++k) motion = not_below(most[k], motion);
-  return motion;
+LargestMotion drift_and_rotate(State& state, Dimension dimension, double dt,
+                               const Reference& since) {
+  return dimension == Dimension::plane ? all_drift_and_rotate<true>(state, dt, since)
+                                       : all_drift_and_rotate<false>(state, dt, since);
 }
 
 }  // namespace trackbed::dem

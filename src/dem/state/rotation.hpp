@@ -1,4 +1,4 @@
-// Free rotation of bodies with three moments of inertia, in space. Spheres and plane models do not
+// Free rotation of bodies with three moments of inertia, in space or in a plane. Spheres do not
 // need it (step.cpp).
 #pragma once
 
@@ -19,10 +19,20 @@ double inverse_mass_of_turning(const State& state, std::size_t b, const Triple<d
 // One over the least principal moment, 1/(kg m2); 0 for a held particle.
 double largest_inverse_moment(const State& state, std::size_t b);
 
+// Poses of own particles since which displacements are measured; `slow`: 1 for those whose speed is
+// measured, or 0; null: for none.
+struct Reference {
+  const std::vector<Vec4>&x, &q;
+  const double* slow = nullptr;
+};
+// Of any surface point: the distance of the centres and the arc of the point that is farthest from
+// the axis, m; and the speed of those that are slow, m/s.
+struct LargestMotion {
+  double displacement = 0, slow_speed = 0;
+};
 // Moves centres and attitudes of own particles by dt at constant v and L, and computes their spins.
-// Returns the largest displacement of a surface point since the poses given, m: the distance of the
-// centres and the arc of the point that is farthest from the axis.
-double drift_and_rotate(State& state, double dt, const std::vector<Vec4>& reference_x,
-                        const std::vector<Vec4>& reference_q);
+// In a plane they rotate about y.
+LargestMotion drift_and_rotate(State& state, Dimension dimension, double dt,
+                               const Reference& since);
 
 }  // namespace trackbed::dem

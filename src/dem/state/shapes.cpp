@@ -10,6 +10,16 @@
 
 namespace trackbed::dem {
 
+namespace {
+
+double least_radius_of(const Template& shape) {
+  return std::min_element(shape.pieces.begin(), shape.pieces.end(),
+                          [](const Piece& a, const Piece& b) { return a.radius < b.radius; })
+      ->radius;
+}
+
+}  // namespace
+
 // A core is kept as a checkpoint would return it, so that volumes, sections and points within a
 // stone are the same, to the last bit, after a resume.
 //
@@ -46,6 +56,7 @@ int Shapes::add(const Template& shape, std::vector<std::int64_t> labels) {
                   shape.pieces[0].core.vertices.size() == 1 &&
                   shape.pieces[0].core.vertices[0].isZero();
   bound_.push_back(geom::bounding_radius(shape));
+  least_radius_.push_back(least_radius_of(shape));
   begin_.push_back(pieces_.size());
   templates_.push_back(shape);
   for (Piece& piece : templates_.back().pieces) piece.core = geom::derived_again(piece.core);
@@ -65,6 +76,7 @@ void Shapes::replace(std::int64_t number, const Template& shape) {
     cores_[piece] = std::move(core);
   }
   bound_[static_cast<std::size_t>(number)] = geom::bounding_radius(shape);
+  least_radius_[static_cast<std::size_t>(number)] = least_radius_of(shape);
   known = shape;
   for (Piece& piece : known.pieces) piece.core = geom::derived_again(piece.core);
 }

@@ -135,6 +135,10 @@ class Shapes {
   const std::vector<Vec4>& corners() const { return corners_; }
   std::uint32_t first_corner(std::size_t k) const { return first_corner_[k]; }
   double bound(std::int64_t shape) const { return bound_[static_cast<std::size_t>(shape)]; }
+  // Smallest radius of a piece, of one with corners its rounding; unit scale.
+  double least_radius(std::int64_t shape) const {
+    return least_radius_[static_cast<std::size_t>(shape)];
+  }
   bool only_spheres() const { return only_spheres_; }  // one centred piece each
   bool any_stones() const { return any_stones_; }      // a piece with several corners
 
@@ -146,7 +150,7 @@ class Shapes {
   std::vector<std::int64_t> labels_;
   std::vector<Vec4> corners_;
   std::vector<std::uint32_t> first_corner_;
-  std::vector<double> bound_;
+  std::vector<double> bound_, least_radius_;
   bool only_spheres_ = true, any_stones_ = false;
 };
 
