@@ -1,4 +1,6 @@
-"""How far a run is and how it went there, from the events of its progress.jsonl (docs/running.md)."""
+"""How far a run is, and the course of its quantities, from the events of its progress.jsonl
+(docs/running.md).
+"""
 import fcntl
 import json
 import os

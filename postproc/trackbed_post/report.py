@@ -1,8 +1,8 @@
 """One HTML file of a run, or of two side by side: what was modelled, stages, warnings, figures,
 numbers, balances and cost. It needs no other file and can be sent as it is.
 
-Figures and numbers are those of the command `figures`. While a run goes on, the report shows how far
-it is and what its histories hold up to now; stages, balances and cost follow when summary.json
+Figures and numbers are those of the command `figures`. While a run goes on, the report shows how
+far it is and what its histories hold up to now; stages, balances and cost follow when summary.json
 exists. A report can be written again and again until its runs have ended.
 """
 import base64
@@ -166,7 +166,7 @@ def progress_of(runs, folder):
 
 
 def page(runs, folder, over, every=0):
-    """`every`: seconds after which a browser loads the page again; 0: never."""
+    """`every`: seconds after which a browser loads the document again; 0: never."""
     head = ["", *(run.name for run in runs)]
     parts = [element("h1", " and ".join(run.name for run in runs)),
              table(head, side_by_side(runs, facts_of)), *progress_of(runs, folder),
@@ -191,7 +191,7 @@ def page(runs, folder, over, every=0):
 
 def write_report(results, file, over=(), every=0):
     """Writes the report of one run or of two, given by their folders. `over`: (quantity, file) of
-    measured or published curves, as in curves.draw_into(). `every`: of the page."""
+    measured or published curves, as in curves.draw_into(). `every`: as in page()."""
     if len(results) > 2:
         raise read.Unreadable("give one or two result folders")
     runs = [Run(folder) for folder in results]

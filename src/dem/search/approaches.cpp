@@ -135,8 +135,14 @@ void find_approaches(const Scene& scene, const std::vector<Surface*>& surfaces,
         columns.near(x.vec3() + shift, reach(x.w), found);
         if (found.empty()) continue;
         // Patches get their history; overlap and normal follow when forces are computed.
-        Approach a{
-            static_cast<std::int32_t>(p), static_cast<std::int32_t>(k), shift, found, law, {}, {}, {}};
+        Approach a{static_cast<std::int32_t>(p),
+                   static_cast<std::int32_t>(k),
+                   shift,
+                   found,
+                   law,
+                   {},
+                   {},
+                   {}};
         take_history(history, piece_key(s.id[b], p - scene.pieces.begin[b]), names[k], a.patches);
         approaches.push_back(std::move(a));
       }
