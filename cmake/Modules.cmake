@@ -34,6 +34,10 @@ endfunction()
 set(TRACKBED_TEST_ENVIRONMENT OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
     OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_pml=ob1 OMPI_MCA_btl=self,vader
     ASAN_OPTIONS=detect_leaks=0 PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg)
+if(TRACKBED_SANITIZE)  # scripts that limit the memory of a program do not limit that of sanitizers
+  list(APPEND TRACKBED_TEST_ENVIRONMENT TRACKBED_SANITIZED=1
+       TSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tests/support/threads.txt)
+endif()
 
 # Property of scripts whose runs on two ranks and more take most of the time. A waiting rank yields
 # its core; if another test takes it, the rank gets it back only after milliseconds, at each

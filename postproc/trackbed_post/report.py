@@ -191,7 +191,8 @@ def page(runs, folder, over, every=0):
 
 def write_report(results, file, over=(), every=0):
     """Writes the report of one run or of two, given by their folders. `over`: (quantity, file) of
-    measured or published curves, as in curves.draw_into(). `every`: as in page()."""
+    measured or published curves, as in curves.draw_into(). `every`: seconds
+    after which a browser loads it again; 0: never."""
     if len(results) > 2:
         raise read.Unreadable("give one or two result folders")
     runs = [Run(folder) for folder in results]

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "dem/particles/impl.hpp"
+#include "dem/state/rendezvous.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::dem {
@@ -63,28 +64,34 @@ void Particles::Impl::save_bonds(io::File& file, const std::string& group) const
   file.attribute(group, "bonds_longest", bonding.longest);
 }
 
-// Every rank reads all bonds; those of other ranks' stones are dropped at the rebuild.
+// Every rank reads a part of the bonds and receives those of the stones that it has read.
 void Particles::Impl::load_bonds(const io::File& file, const std::string& group) {
   std::vector<BondParameters> parameters = std::move(bonding.parameters);
   bonding = {};
   bonding.parameters = std::move(parameters);
   const std::string at = group + "/bonds";
   if (!file.has(at + "/stones")) return;
-  const auto stones_of = file.read_all<std::int64_t>(at + "/stones");
-  const auto numbers = file.read_all<double>(at + "/numbers");
+  const auto stones_of = file.read_own_rows<std::int64_t>(at + "/stones");
+  const auto numbers = file.read_own_rows<double>(at + "/numbers");
+  std::string problem;
+  std::vector<Bond> bonds;
   for (std::size_t n = 0; 3 * n < stones_of.size(); ++n) {
     Bond bond{};
     bond.first = stones_of[3 * n], bond.second = stones_of[3 * n + 1];
     bond.kind = stones_of[3 * n + 2];
-    if (bond.kind < 0 || bond.kind >= std::ssize(bonding.parameters))
-      throw InputError({fmt::format(
+    if (problem.empty() && (bond.kind < 0 || bond.kind >= std::ssize(bonding.parameters)))
+      problem = fmt::format(
           "the checkpoint has bonds of the {}. [[bond]], but the deck has {}: give all of them, in "
           "the same order",
-          bond.kind + 1, bonding.parameters.size())});
+          bond.kind + 1, bonding.parameters.size());
     set_numbers(bond, &numbers.at(n * bond_numbers));
-    bonding.bonds.push_back(bond);
+    bonds.push_back(bond);
   }
-  sort_bonds();
+  problem = comm.first_problem(problem);
+  if (!problem.empty()) throw InputError({problem});
+  bonding.bonds = delivered(comm, std::span(state.id), bonds, [](const Bond& bond) {
+    return std::array{bond.first, bond.second};
+  });
   const auto breaks = file.read_own_rows<double>(at + "/breaks");
   const auto whole = [](double value) { return std::llround(value); };
   for (std::size_t k = 0; k + bond_break_columns <= breaks.size(); k += bond_break_columns) {

@@ -1,12 +1,13 @@
 // Particles in a checkpoint: the listed state, the templates and the contact history, each row
-// once. Every rank writes its rows and reads a fraction of them, in parallel; templates and
-// histories are read by all. The order of rows does not matter: particles are sent to their owners
-// and histories assigned to their particles at the next rebuild. Derived quantities (mass, inertia,
-// spin, radius) are not stored, so they cannot be inconsistent. Lists are not stored either: they
-// do not affect results.
+// once. Every rank writes its rows and reads a fraction of them, in parallel; templates are
+// read by all. The order of rows does not matter: histories are sent to the ranks that have read
+// their particles, and particles with their histories to their owners at the next rebuild. Derived
+// quantities (mass, inertia, spin, radius) are not stored, so they cannot be inconsistent. Lists
+// are not stored either: they do not affect results.
 #include <algorithm>
 
 #include "dem/particles/impl.hpp"
+#include "dem/state/rendezvous.hpp"
 #include "dem/state/stored.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/dem/templates.hpp"
@@ -73,12 +74,16 @@ void Particles::save(io::File& file, const std::string& group) const {
 }
 
 // A run without rolling resistance wrote no rolling displacements: they begin at zero.
-std::vector<History> read_histories(const io::File& file, const std::string& group) {
-  const auto keys = file.read_all<std::int64_t>(group + "/history/keys");
-  const auto xi = file.read_all<double>(group + "/history/xi");
-  const auto size = file.read_all<double>(group + "/history/size");
-  const std::string rolling = group + "/history/roll";
-  auto roll = file.has(rolling) ? file.read_all<double>(rolling) : std::vector<double>{};
+std::vector<History> read_histories(const io::File& file, const std::string& group, Rows rows) {
+  const auto numbers = [&](const char* name) {
+    const std::string path = group + "/history/" + name;
+    return rows == Rows::all ? file.read_all<double>(path) : file.read_own_rows<double>(path);
+  };
+  const std::string pairs = group + "/history/keys";
+  const auto keys = rows == Rows::all ? file.read_all<std::int64_t>(pairs)
+                                      : file.read_own_rows<std::int64_t>(pairs);
+  const auto xi = numbers("xi"), size = numbers("size");
+  auto roll = file.has(group + "/history/roll") ? numbers("roll") : std::vector<double>{};
   roll.resize(3 * keys.size() / 2, 0.0);
   std::vector<History> all;
   for (std::size_t k = 0; 2 * k < keys.size(); ++k)
@@ -119,9 +124,11 @@ void Particles::load(const io::File& file, const std::string& group) {
   r.state.own = r.state.id.size();
   r.sort_own();
   r.derive(0);
-  // Every rank reads all records; those of other ranks' particles are dropped at the rebuild.
   r.forget_contacts();
-  r.waiting = read_histories(file, group);
+  r.waiting = delivered(
+      r.comm, std::span(r.state.id), read_histories(file, group, Rows::part), [](const History& h) {
+        return std::array{particle_of(h.first), h.second >= 0 ? particle_of(h.second) : Id{-1}};
+      });
   r.names = read_surface_names(file, group);
   r.load_breakage(file, group);
   r.load_bonds(file, group);

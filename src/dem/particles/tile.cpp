@@ -159,7 +159,7 @@ void Particles::tile(const io::File& file, const std::string& group, const Tilin
   r.derive(0);
   r.forget_contacts(), r.waiting.clear();
   const Copier copier(cell, tiling, r.domain.periodic[0], mine);
-  for (const History& h : read_histories(file, group)) copier.copy(h, names, r.waiting);
+  for (const History& h : read_histories(file, group, Rows::all)) copier.copy(h, names, r.waiting);
   r.check_laws();
   // Last: the work of the first partition is counted from the waiting histories.
   r.choose_grid(r.work());

@@ -57,8 +57,10 @@ struct Number<Vec4> {
   using type = double;
 };
 
-// All of them on every rank; numbers of surfaces refer to the file's names. Collective.
-std::vector<History> read_histories(const io::File& file, const std::string& group);
+// All of them on every rank, or the rank's even part; numbers of surfaces refer to the file's
+// names. Collective.
+enum class Rows { all, part };
+std::vector<History> read_histories(const io::File& file, const std::string& group, Rows rows);
 std::vector<std::string> read_surface_names(const io::File& file, const std::string& group);
 
 }  // namespace trackbed::dem

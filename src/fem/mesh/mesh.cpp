@@ -1,9 +1,8 @@
 // The part of the lattice that one rank holds: partition, own nodes, held elements, ghosts.
 //
-// METIS cuts few faces, so few elements are computed twice: one layer of 40 between two halves of
-// 40^3 elements. During set-up every rank visits every element, without messages, and the lists of
-// the whole mesh are freed before the state is allocated. Rejected: sending forces back to owners,
-// which needs a second message per step and a fixed order of sums.
+// Few elements are computed twice: one layer of 40 between two halves of 40^3 elements. Rejected:
+// sending forces back to owners, which needs a second message per step and a fixed order of sums;
+// METIS, which needs the whole mesh on every rank (docs/decisions/ground_elements.md).
 #include "fem/mesh/mesh.hpp"
 
 #include <fmt/format.h>
@@ -11,6 +10,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "fem/mesh/boxes.hpp"
 #include "fem/mesh/solid_mesh.hpp"
 #include "fem/mesh/split.hpp"
 #include "trackbed/core/error.hpp"
@@ -19,39 +19,34 @@ namespace trackbed::fem {
 
 namespace {
 
-// Every rank computes all owners, which temporarily needs 56 bytes per element and no message.
-std::vector<int> node_owners(const Lattice& lattice, const Solids& solids,
-                             const GroundParameters& parameters, int ranks) {
-  const auto nodes = static_cast<std::size_t>(lattice.node_count());
-  if (ranks == 1) return std::vector<int>(nodes, 0);
-  if (lattice.node_count() >= std::numeric_limits<std::int32_t>::max())
-    throw InputError(
-        {fmt::format("the ground has {} nodes; on several ranks it must have less than {}; use "
-                     "fewer elements",
-                     lattice.node_count(), std::numeric_limits<std::int32_t>::max())});
-  std::vector<std::int32_t> corners;
-  std::vector<double> cost;
-  corners.reserve(static_cast<std::size_t>(lattice.element_count() * lattice.corners()));
-  cost.reserve(static_cast<std::size_t>(lattice.element_count()));
-  for (Id z = 0; z < lattice.element_count(); ++z) {
-    const Index3 at = lattice.element_index(z);
-    for (int k = 0; k < lattice.corners(); ++k)
-      corners.push_back(static_cast<std::int32_t>(lattice.corner(at, k)));
-    const auto solid = static_cast<std::size_t>(solids.of(parameters, lattice, z));
-    cost.push_back(brick_cost.of(solids.strength[solid], at[2] + 1 == lattice.elements[2]));
+// Held and computed elements are those of the rank's box and one layer around it; across periodic
+// ends the layer continues at the other end. Ascending.
+std::vector<Id> elements_around(const Lattice& lattice, const IndexBox& box) {
+  std::array<std::vector<std::int64_t>, 3> along;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::int64_t count = lattice.elements[a];
+    for (std::int64_t k = box.begin[a] - 1; k <= box.end[a]; ++k)
+      if (k >= 0 && k < count)
+        along[a].push_back(k);
+      else if (a < 2 && lattice.periodic[a])
+        along[a].push_back((k + count) % count);
+    std::sort(along[a].begin(), along[a].end());
+    along[a].erase(std::unique(along[a].begin(), along[a].end()), along[a].end());
   }
-  // Elements are neighbours if they share a face: 4 nodes in space, 2 in a plane.
-  std::vector<int> owner =
-      split_nodes({corners, lattice.corners(), lattice.corners() / 2}, cost, corners, nodes, ranks);
-  // An image and its home have the same owner, which holds the elements around both.
-  const auto at_home = [&](Id id) -> int& {
-    return owner[static_cast<std::size_t>(lattice.home(id))];
-  };
-  for (Id id = 0; id < lattice.node_count(); ++id)
-    at_home(id) = std::min(at_home(id), owner[static_cast<std::size_t>(id)]);
-  for (Id id = 0; id < lattice.node_count(); ++id)
-    owner[static_cast<std::size_t>(id)] = at_home(id);
-  return owner;
+  std::vector<Id> found;
+  for (const std::int64_t z : along[2])
+    for (const std::int64_t y : along[1])
+      for (const std::int64_t x : along[0]) found.push_back(lattice.element({x, y, z}));
+  return found;
+}
+
+Boxes boxes_of(const par::Comm& comm, const Lattice& lattice, const Solids& solids,
+               const GroundParameters& parameters) {
+  return {comm, lattice.elements, [&](const Index3& at) {
+            const auto solid =
+                static_cast<std::size_t>(solids.of(parameters, lattice, lattice.element(at)));
+            return brick_cost.of(solids.strength[solid], at[2] + 1 == lattice.elements[2]);
+          }};
 }
 
 }  // namespace
@@ -76,8 +71,25 @@ Mesh::Mesh(const par::Comm& communicator, const GroundParameters& parameters, Di
     import(make_solid_mesh(parameters));
     return;
   }
-  const std::vector<int> owner = node_owners(lattice, solids, parameters, comm.size());
-  hold(owner, parameters);
+  const Boxes boxes = boxes_of(comm, lattice, solids, parameters);
+  // The lowest rank among those of the elements around it, a rule that every rank applies alone. An
+  // image and its home have the same owner, which holds the elements around both.
+  const IndexBox& mine = boxes.box_of(comm.rank());
+  const auto owner = [&](Id id) {
+    const Index3 at = lattice.node_index(id);
+    bool inside = true;  // the rank's box, as most nodes are
+    for (std::size_t a = 0; a < 3 && inside; ++a)
+      inside = (lattice.plane && a == 1) || (mine.begin[a] < at[a] && at[a] < mine.end[a]);
+    if (inside) return comm.rank();
+    std::array<Id, 8> around;
+    const int count = lattice.elements_at(lattice.home(id), around);
+    int lowest = comm.size();
+    for (int k = 0; k < count; ++k)
+      lowest = std::min(lowest,
+                        boxes.rank_of(lattice.element_index(around[static_cast<std::size_t>(k)])));
+    return lowest;
+  };
+  hold(elements_around(lattice, mine), owner, parameters);
   connect(owner);
   // The coupler needs the owners of all top nodes on every rank; both faces of a plane model belong
   // to the owner of the plane node.
@@ -86,24 +98,26 @@ Mesh::Mesh(const par::Comm& communicator, const GroundParameters& parameters, Di
   for (std::int64_t j = 0; j < across; ++j)
     for (std::int64_t i = 0; i < points[0]; ++i) {
       const Id id = lattice.node({i, lattice.plane ? 0 : j, lattice.elements[2]});
-      top_owner.push_back(owner[static_cast<std::size_t>(id)]);
+      top_owner.push_back(owner(id));
     }
   first_own = comm.exclusive_scan(static_cast<std::int64_t>(own.size()));
 }
 
-// Local: every rank has all owners.
-void Mesh::hold(const std::vector<int>& owner, const GroundParameters& parameters) {
-  for (Id z = 0; z < lattice.element_count(); ++z) {
+// Of the candidates, the elements with a node of this rank.
+void Mesh::hold(const std::vector<Id>& candidates, const Owner& owner,
+                const GroundParameters& parameters) {
+  for (const Id z : candidates) {
     const Index3 at = lattice.element_index(z);
     bool touches = false;
     for (int k = 0; k < lattice.corners() && !touches; ++k)
-      touches = owner[static_cast<std::size_t>(lattice.corner(at, k))] == comm.rank();
+      touches = owner(lattice.corner(at, k)) == comm.rank();
     if (!touches) continue;
     element.push_back(z);
     solid.push_back(solids.of(parameters, lattice, z));
     for (int k = 0; k < lattice.corners(); ++k) node.push_back(lattice.corner(at, k));
   }
   number(owner);
+  require_countable();
   line.resize(element.size());
   for (std::size_t z = 0; z < element.size(); ++z)
     for (int l = 0; l < lines(); ++l)
@@ -112,19 +126,29 @@ void Mesh::hold(const std::vector<int>& owner, const GroundParameters& parameter
 }
 
 // From all nodes of the held elements, in any order and with repetitions.
-void Mesh::number(const std::vector<int>& owner) {
+void Mesh::number(const Owner& owner) {
   // Local numbers are ordered as global ones. Along a row of elements all nodes are held, so
   // neighbours along x are neighbours in memory too, as the kernel requires.
   std::sort(node.begin(), node.end());
   node.erase(std::unique(node.begin(), node.end()), node.end());
   node.shrink_to_fit();
   for (std::size_t n = 0; n < node.size(); ++n) {
-    const bool mine = owner[static_cast<std::size_t>(node[n])] == comm.rank();
+    const bool mine = owner(node[n]) == comm.rank();
     const Id home = lattice.home(node[n]);
     owned.push_back(mine && home == node[n]);
     if (owned.back() != 0) own.push_back(static_cast<std::int32_t>(n));
     if (mine && home != node[n]) images.push_back({static_cast<std::int32_t>(n), local_node(home)});
   }
+}
+
+// Collective.
+void Mesh::require_countable() const {
+  constexpr auto most = std::numeric_limits<std::int32_t>::max();
+  if (const auto nodes = comm.max(static_cast<std::int64_t>(node.size())); nodes >= most)
+    throw InputError(
+        {fmt::format("a rank has {} nodes of the ground, but can have at most {}; use "
+                     "more ranks or fewer elements",
+                     nodes, most)});
 }
 
 std::int32_t Mesh::home(std::int32_t n) const {
@@ -135,11 +159,11 @@ std::int32_t Mesh::home(std::int32_t n) const {
 }
 
 // Each rank requests its ghosts from the owners; the requests determine what is sent in every step.
-void Mesh::connect(const std::vector<int>& owner) {
+void Mesh::connect(const Owner& owner) {
   // Ascending by owner, then by number: the order in which the halo delivers.
   std::vector<std::vector<Id>> wanted(static_cast<std::size_t>(comm.size()));
   for (std::size_t n = 0; n < node.size(); ++n)
-    if (const int rank = owner[static_cast<std::size_t>(node[n])]; rank != comm.rank())
+    if (const int rank = owner(node[n]); rank != comm.rank())
       wanted[static_cast<std::size_t>(rank)].push_back(node[n]);
   for (const auto& from : wanted)
     for (const Id id : from) ghost_.push_back(local_node(id));

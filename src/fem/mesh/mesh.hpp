@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -117,10 +118,13 @@ struct Mesh {
   std::size_t bytes() const;
 
  private:
-  void hold(const std::vector<int>& owner_of_node, const GroundParameters& parameters);
-  void number(const std::vector<int>& owner_of_node);
+  using Owner = std::function<int(Id node)>;  // rank
+  void hold(const std::vector<Id>& candidates, const Owner& owner,
+            const GroundParameters& parameters);
+  void number(const Owner& owner);
+  void require_countable() const;
   void import(const SolidMesh& whole);
-  void connect(const std::vector<int>& owner_of_node);
+  void connect(const Owner& owner);
   template <int D>
   void exchange_packed(Nodal& values);
 

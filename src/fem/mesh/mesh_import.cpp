@@ -1,8 +1,8 @@
 // Partition of a ground of tetrahedra. Nodes and elements are numbered in the order of the file, or
 // in that of cutting the embankment.
 //
-// Every rank builds the whole mesh and keeps its part, as every rank visits the whole lattice: no
-// messages, and only the top of the whole is kept.
+// Every rank builds the whole mesh and keeps its part: no messages, and only the top of the whole
+// is kept.
 #include <algorithm>
 
 #include "fem/mesh/mesh.hpp"
@@ -77,16 +77,16 @@ double Imported::area_around(Id corner) const {
 }
 
 void Mesh::import(const SolidMesh& whole) {
-  const std::vector<int> owner = node_owners(whole, solids, comm.size());
+  const std::vector<int> owners = node_owners(whole, solids, comm.size());
+  const auto owner = [&](Id n) { return owners[static_cast<std::size_t>(n)]; };
   auto shape = std::make_unique<Imported>();
   shape->elements = static_cast<Id>(whole.element.size());
   shape->nodes = static_cast<Id>(whole.position.size());
   shape->depth = whole.depth();
   for (std::size_t e = 0; e < whole.element.size(); ++e) {
     const auto& nodes = whole.element[e];
-    if (std::none_of(nodes.begin(), nodes.end(), [&](std::int32_t n) {
-          return owner[static_cast<std::size_t>(n)] == comm.rank();
-        }))
+    if (std::none_of(nodes.begin(), nodes.end(),
+                     [&](std::int32_t n) { return owner(n) == comm.rank(); }))
       continue;
     element.push_back(static_cast<Id>(e));
     solid.push_back(whole.solid[e]);
@@ -106,7 +106,7 @@ void Mesh::import(const SolidMesh& whole) {
   };
   keep(whole.borders, shape->borders), keep(whole.top, shape->top);
   make_top(whole, *shape);
-  for (const Id n : shape->top_node) top_owner.push_back(owner[static_cast<std::size_t>(n)]);
+  for (const Id n : shape->top_node) top_owner.push_back(owner(n));
   imported = std::move(shape);
   connect(owner);
   first_own = comm.exclusive_scan(static_cast<std::int64_t>(own.size()));

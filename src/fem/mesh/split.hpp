@@ -1,4 +1,4 @@
-// Partition of a ground among ranks: elements by their cost, nodes according to their elements.
+// Cost of elements for the partition of a ground among ranks, and the partition of tetrahedra.
 #pragma once
 
 #include <cstdint>

@@ -19,33 +19,34 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
   say_model(world, given.name);
   if (!given.ground.empty()) say(comm, given.ground);
   if (world.ground) observe::Sensors(comm, model.sensors, model.dem.gravity).locate(*world.ground);
+  const auto megabytes = [&] { return static_cast<double>(world.memory()) / (1024 * 1024); };
+  double memory = megabytes();
   // After a start from a checkpoint the remaining work depends on stones that only a run loads.
   if (!model.has_stones()) {
     for (const std::string& line : estimate_alone(world)) say(comm, line);
   } else if (model.is_placed()) {
     for (const std::string& line : estimate_placed(world, given.deck)) say(comm, line);
+    memory = megabytes();
   } else if (given.start.empty() && model.stages.front().kind == StageKind::fill) {
     actions.begin(model.stages.front());
+    memory = megabytes();
     const dem::Totals totals = world.particles.totals();
     const bool more = std::count_if(model.stages.begin(), model.stages.end(),
                                     [](const Stage& s) { return s.kind == StageKind::fill; }) > 1;
     say(comm,
         fmt::format("  stones{}: {} ({} pieces), {:.0f} kg", more ? " of the first layer" : "",
                     totals.particles, totals.pieces, totals.mass));
-    for (const std::string& line : estimate(world, actions, given.stones, given.deck))
-      say(comm, line);
+    const Estimate found = estimate(world, actions, given.stones, given.deck);
+    for (const std::string& line : found.lines) say(comm, line);
     if (!given.ranks.empty())
-      for (const std::string& line :
-           scaling_of(world, given.ranks, forecast(world, given.stones).front().step_time))
+      for (const std::string& line : scaling_of(world, given.ranks, found.step_time))
         say(comm, line);
   } else {
     say(comm, "  stones: as in " + given.start + "");
   }
-  const auto megabytes = static_cast<double>(world.memory()) / (1024 * 1024);
-  say(comm,
-      fmt::format("memory of the model before the first window: at most {:.2g} MB on a rank{}",
-                  comm.max(megabytes),
-                  model.has_stones() ? "; contacts of stones will need more" : ""));
+  say(comm, fmt::format(
+                "memory of the model before the first window: at most {:.2g} MB on a rank{}",
+                comm.max(memory), model.has_stones() ? "; contacts of stones will need more" : ""));
 }
 
 }  // namespace trackbed::model

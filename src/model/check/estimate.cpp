@@ -10,11 +10,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <span>
 
+#include "model/check/probe.hpp"
 #include "model/rules/limits.hpp"
 #include "trackbed/bed/library.hpp"
+#include "trackbed/core/error.hpp"
 #include "trackbed/core/whole_steps.hpp"
 #include "trackbed/model/log.hpp"
 
@@ -30,6 +33,12 @@ constexpr double time_per_stone = 75e-9, time_per_polyhedron = 330e-9;
 constexpr double time_per_ball(Dimension dimension) {
   return dimension == Dimension::plane ? 5e-9 : 15e-9;
 }
+
+// Track, coupling and output over stones and ground, plus 1: 2 to 12 % in the runs of
+// docs/scaling.md. A bed under load has more contacts than as it is laid.
+constexpr double other_costs = 1.1, loaded = 1.12;
+// Least and largest ratio of measured and estimated times in these runs.
+constexpr std::pair<double, double> spread_if_measured{0.8, 1.25}, spread_of_table{0.4, 1.8};
 
 struct Cut {
   double crest = 0;           // m; 0: nothing is cut
@@ -151,11 +160,11 @@ std::vector<std::string> warning_of_ground_steps(const World& world, double long
   if (!world.ground || longest_window <= 0) return {};
   const double steps = longest_window / world.ground->stable_step();
   if (!(steps > many)) return {};
-  return {fmt::format(
-      "warning: the ground takes up to {:.0f} steps of its own in each window, which is slow (not "
-      "included in the estimate); reduce rayleigh_stiffness of ground, layers and blocks, or "
-      "give larger elements",
-      steps)};
+  return {
+      fmt::format("warning: the ground takes up to {:.0f} steps of its own in each window, which "
+                  "is slow; reduce "
+                  "rayleigh_stiffness of ground, layers and blocks, or give larger elements",
+                  steps)};
 }
 
 }  // namespace
@@ -185,23 +194,26 @@ std::vector<LayerForecast> forecast(const World& world, const StonesOfLayers& st
   return layers;
 }
 
-// The number of windows is an upper bound, since stages may end early. The ground is left out: its
-// cost depends strongly on the deck. Perfect scaling over ranks is assumed.
-std::vector<std::string> estimate(const World& world, const StageActions& actions,
-                                  const StonesOfLayers& stones, const input::Deck& deck) {
-  const par::Comm& comm = world.comm;
-  const Model& model = world.model;
-  const std::vector<LayerForecast> layers = forecast(world, stones);
-  std::vector<std::string> lines;
-  for (const LayerForecast& layer : layers)
-    if (layers.size() > 1 || !layer.layer.empty() || layer.left != layer.made)
-      lines.push_back(sentence_of(layer, cut_of(model)));
-  double seconds = 0, longest = 0, all_windows = 0;
-  std::size_t filled = 0;       // layers
-  bool trimmed = false;         // to the profile or the sleepers
-  std::string shared, numbers;  // of the stages since the limits changed
-  StonesOfLayers poured;        // up to this stage
-  for (const Stage& stage : model.stages) {
+namespace {
+
+// A stage and what it costs at most, s of wall time: stages may end early.
+struct StageCost {
+  const Stage* stage;
+  Steps steps;
+  double windows = 0, stones = 0, ground = 0;
+};
+
+// Stones that the bed has in each stage times the time of a sub-step of one; perfect scaling over
+// the ranks is assumed. The ground is measured for each length of windows in which it moves.
+std::vector<StageCost> costs_of_stages(World& world, const StageActions& actions,
+                                       const StonesOfLayers& stones, const input::Deck& deck,
+                                       const std::vector<LayerForecast>& layers) {
+  std::vector<StageCost> costs;
+  std::map<double, double> ground_times;  // s of wall time by length of window, s
+  std::size_t filled = 0;                 // layers
+  bool trimmed = false;                   // to the profile or the sleepers
+  StonesOfLayers poured;                  // up to this stage
+  for (const Stage& stage : world.model.stages) {
     if (stage.kind == StageKind::fill) {
       ++filled;
       if (const auto layer = stones.find(stage.layer); layer != stones.end()) poured.insert(*layer);
@@ -210,32 +222,114 @@ std::vector<std::string> estimate(const World& world, const StageActions& action
     double step_time = 0;
     for (const LayerForecast& layer : std::span(layers).first(filled))
       step_time += layer.step_time * static_cast<double>(trimmed ? layer.left : layer.made);
-    const StonesStep longest_step = poured.empty() ? step_of(world) : step_of(model, poured);
-    const Steps steps = choose_steps(world, longest_step, stage, deck);
-    const double windows = actions.duration(stage) / steps.window;
-    all_windows += windows;
-    if (stage.ground_moves) longest = std::max(longest, steps.window);
-    seconds += step_time * windows * steps.substeps / comm.size();
-    // Stages with the same limits share one line.
-    const std::string limits = limits_of(model, stage, steps);
+    const StonesStep longest = poured.empty() ? step_of(world) : step_of(world.model, poured);
+    StageCost cost{.stage = &stage, .steps = choose_steps(world, longest, stage, deck)};
+    cost.windows = actions.duration(stage) / cost.steps.window;
+    cost.stones = step_time * cost.windows * cost.steps.substeps / world.comm.size();
+    if (world.ground && stage.ground_moves) {
+      const auto [known, is_new] = ground_times.try_emplace(cost.steps.window, 0);
+      if (is_new) known->second = measured_window_of_ground(world, cost.steps.window);
+      cost.ground = known->second * cost.windows;
+    }
+    costs.push_back(cost);
+  }
+  return costs;
+}
+
+// Stages with the same limits share one line.
+std::vector<std::string> sentences_of(const Model& model, const std::vector<StageCost>& costs) {
+  std::vector<std::string> lines;
+  std::string shared, numbers;  // of the stages since the limits changed
+  for (const StageCost& cost : costs) {
+    const std::string limits = limits_of(model, *cost.stage, cost.steps);
     if (limits != shared && !numbers.empty()) lines.push_back(shared + "  " + numbers);
     if (limits != shared) numbers.clear();
     shared = limits;
     numbers += fmt::format("{}{} {:.0f}", numbers.empty() ? "largest number of windows: " : ", ",
-                           stage.name, windows);
+                           cost.stage->name, cost.windows);
   }
   lines.push_back(shared + "  " + numbers);
-  lines.push_back(fmt::format(
-      "estimated wall time on {} rank{}: {} (assumes that nothing else runs on the "
-      "cores, that a sub-step costs {:.0f} ns for each stone, {:.0f} ns for each ball "
-      "and {:.0f} ns for each polyhedron of a stone, and that stages have their full "
-      "duration; ground, coupling and output are not included)",
-      comm.size(), comm.size() > 1 ? "s" : "", estimate_words(seconds), time_per_stone * 1e9,
-      time_per_ball(model.dimension) * 1e9, time_per_polyhedron * 1e9));
-  for (const std::string& line : warning_of_ground_steps(world, longest)) lines.push_back(line);
-  lines.push_back(
-      fmt::format("histories: up to {:.2g} MB", size_of_histories(model, actions, all_windows)));
   return lines;
+}
+
+std::string sentence_of_times(const std::vector<StageCost>& costs) {
+  std::string line = "largest wall time, s:";
+  for (const StageCost& cost : costs)
+    line += fmt::format(" {} {:.2g}{}", cost.stage->name, cost.stones + cost.ground,
+                        &cost == &costs.back() ? "" : ",");
+  return line;
+}
+
+// With the spread of measured over estimated times (docs/scaling.md).
+std::string sentence_of_total(const par::Comm& comm, const std::vector<StageCost>& costs,
+                              bool measured, const Model& model) {
+  double stones = 0, ground = 0;
+  for (const StageCost& cost : costs) stones += cost.stones, ground += cost.ground;
+  const double all = other_costs * (stones + ground);
+  const auto [least, most] = measured ? spread_if_measured : spread_of_table;
+  const std::string basis =
+      measured ? "the stones measured as they are laid"
+               : fmt::format(
+                     "{:.0f} ns in a sub-step for each stone, {:.0f} ns for each ball and "
+                     "{:.0f} ns for each polyhedron of a stone",
+                     time_per_stone * 1e9, time_per_ball(model.dimension) * 1e9,
+                     time_per_polyhedron * 1e9);
+  return fmt::format(
+      "estimated wall time on {} rank{}: {}, usually {:g} to {:g} times as much, of it {:.0f} % "
+      "for the ground ({}; with {:.0f} % for track, coupling and output{}; assumes that nothing "
+      "else runs on the cores and that stages have their full duration)",
+      comm.size(), comm.size() > 1 ? "s" : "", estimate_words(all), least, most,
+      all > 0 ? 100 * other_costs * ground / all : 0, basis, 100 * (other_costs - 1),
+      model.breakage.any() ? "; without the parts of stones that break" : "");
+}
+
+// Replaces the estimated time of a stone by a measured one. A bed that cannot be computed as it is
+// laid fails in a run as well: `problem` states why.
+void measure_stones(World& world, const Steps& steps, std::vector<LayerForecast>& layers,
+                    std::string& problem) {
+  const auto count = static_cast<double>(world.particles.totals().particles);
+  try {
+    const double window = measured_window_of_stones(world, steps);
+    for (LayerForecast& layer : layers)
+      layer.step_time = loaded * window / steps.substeps / count * world.comm.size();
+  } catch (const RunError& why) {
+    problem = why.what();
+  }
+}
+
+}  // namespace
+
+// The number of windows is an upper bound, since stages may end early.
+Estimate estimate(World& world, const StageActions& actions, const StonesOfLayers& stones,
+                  const input::Deck& deck) {
+  const Model& model = world.model;
+  std::vector<LayerForecast> layers = forecast(world, stones);
+  Estimate result;
+  for (const LayerForecast& layer : layers)
+    if (layers.size() > 1 || !layer.layer.empty() || layer.left != layer.made)
+      result.lines.push_back(sentence_of(layer, cut_of(model)));
+  std::string problem;
+  const bool copies = !model.bed.cell.empty();
+  if (copies)
+    measure_stones(world, choose_steps(world, step_of(world), model.stages.front(), deck), layers,
+                   problem);
+  const auto costs = costs_of_stages(world, actions, stones, deck, layers);
+  for (const std::string& line : sentences_of(model, costs)) result.lines.push_back(line);
+  result.lines.push_back(sentence_of_times(costs));
+  result.lines.push_back(sentence_of_total(world.comm, costs, copies && problem.empty(), model));
+  if (!problem.empty())
+    result.lines.push_back("warning: the first windows of the bed as it is laid fail: " + problem);
+  double longest = 0, windows = 0;
+  for (const StageCost& cost : costs) {
+    windows += cost.windows;
+    if (cost.stage->ground_moves) longest = std::max(longest, cost.steps.window);
+  }
+  for (const std::string& line : warning_of_ground_steps(world, longest))
+    result.lines.push_back(line);
+  result.lines.push_back(
+      fmt::format("histories: up to {:.2g} MB", size_of_histories(model, actions, windows)));
+  result.step_time = layers.front().step_time;
+  return result;
 }
 
 // Starts from static equilibrium, whose solution may take long for layers that yield: not tried for

@@ -24,9 +24,14 @@ struct LayerForecast {
 // not included. Throws InputError if they cannot be made. Collective.
 std::vector<LayerForecast> forecast(const World& world, const StonesOfLayers& stones);
 
-// Sentences for `check`. `world` is filled by the first stage. Collective.
-std::vector<std::string> estimate(const World& world, const StageActions& actions,
-                                  const StonesOfLayers& stones, const input::Deck& deck);
+struct Estimate {
+  std::vector<std::string> lines;  // for `check`
+  double step_time = 0;            // s of one core for a sub-step of a stone of the first layer
+};
+// `world` is filled by the first stage. Copies of a cell and the ground are moved, to measure them.
+// Collective.
+Estimate estimate(World& world, const StageActions& actions, const StonesOfLayers& stones,
+                  const input::Deck& deck);
 // The same of a ground alone, with the wall time of some windows. Moves the ground. Collective.
 std::vector<std::string> estimate_alone(World& world);
 

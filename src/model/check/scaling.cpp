@@ -33,12 +33,16 @@ std::vector<std::string> scaling_of(World& world, const std::vector<int>& ranks,
   world.particles.make_lists();
   const dem::Decomposition whole = world.particles.decomposition(1);
   const double alone = step_time * whole.particles_mean, unit = alone / whole.work_mean;
+  // Bytes of a stone with its contacts, own or ghost, as they are now.
+  const dem::Decomposition here = world.particles.decomposition(world.comm.size());
+  const double bytes = world.comm.sum(static_cast<double>(world.particles.memory().total())) /
+                       world.comm.size() / (here.particles_mean + here.ghosts_mean);
   std::vector<std::string> lines{
       fmt::format("of the stones as they are poured, in a sub-step (assumed: {:g} us for a "
                   "neighbour, {:g} GB/s, {:g} us for a doubling of ranks):",
                   1e6 * latency, 1e-9 * bandwidth, 1e6 * reduction),
       "ranks  stones of a rank  work us  over mean  ghosts/own  neighbours  received kB  messages "
-      "us  speed-up"};
+      "us  speed-up  MB"};
   for (const int n : ranks) {
     if (n > whole.particles_mean)
       throw InputError(
@@ -46,10 +50,10 @@ std::vector<std::string> scaling_of(World& world, const std::vector<int>& ranks,
     const dem::Decomposition d = world.particles.decomposition(n);
     const double work = unit * d.work_most, wait = messages(d, n);
     lines.push_back(fmt::format(
-        "{:5}  {:16.0f}  {:7.1f}  {:9.2f}  {:10.2f}  {:10.0f}  {:11.1f}  {:11.1f}  {:8.1f}", n,
-        d.particles_mean, 1e6 * work, d.work_most / d.work_mean,
+        "{:5}  {:16.0f}  {:7.1f}  {:9.2f}  {:10.2f}  {:10.0f}  {:11.1f}  {:11.1f}  {:8.1f}  {:.1f}",
+        n, d.particles_mean, 1e6 * work, d.work_most / d.work_mean,
         d.ghosts_mean / std::max(1.0, d.particles_mean), d.neighbours_most, 1e-3 * d.bytes_most,
-        1e6 * wait, alone / (work + wait)));
+        1e6 * wait, alone / (work + wait), 1e-6 * bytes * (d.particles_most + d.ghosts_most)));
   }
   return lines;
 }

@@ -155,6 +155,10 @@ void World::place_stones() {
   placement->begin(particles, forces_on(SurfaceId::Part::placed));
 }
 
+void World::expect_weight(int substeps) {
+  particles.expect_load(particles.totals().mass * model.dem.gravity * substeps);
+}
+
 // Minus infinity without stones. A hull of spheres is as high as the highest of them.
 double World::top_of_stones() const {
   double top = -std::numeric_limits<double>::infinity();

@@ -53,6 +53,10 @@ struct World {
 
   // Places the stones of the deck and computes their initial forces. Collective.
   void place_stones();
+  // The range of the exact sums of loads grows with the loads (Particles::expect_load). The load of
+  // a poured bed grows slowly, but the weight of a bed laid from copies acts at once, may oscillate
+  // with twice its value, and its floor may have one node for a thousand stones. Collective.
+  void expect_weight(int substeps);
 
   // Mean force of the stones in the last window, N. On each node of a surface (of the ground valid
   // on own nodes) until surfaces are registered again, or its sum; none, or zero, on a surface that

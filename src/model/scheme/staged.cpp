@@ -16,18 +16,6 @@
 
 namespace trackbed::model {
 
-namespace {
-
-// The range of the exact sums of loads grows with the loads (Particles::expect_load). The load of a
-// poured bed grows slowly, but the weight of a bed laid from copies acts at once, may oscillate
-// with twice its value, and its floor may have one node for a thousand stones. Collective.
-void expect_weight(World& world, int substeps) {
-  const double weight = world.particles.totals().mass * world.model.dem.gravity;
-  world.particles.expect_load(weight * substeps);
-}
-
-}  // namespace
-
 StagedScheme::StagedScheme(RunContext& run, const std::vector<bed::PlacedShape>& shapes)
     : run_(run),
       comm_(run.comm),
@@ -239,7 +227,7 @@ bool StagedScheme::begin_stage() {
   begin_extremes();
   run_.course.steps = choose_steps(world_, step_of(world_), present(), run_.deck);
   if (present().kind == StageKind::fill && !model_.bed.cell.empty())
-    expect_weight(world_, run_.course.steps.substeps);
+    world_.expect_weight(run_.course.steps.substeps);
   const double duration = actions_.duration(present());
   run_.course.clock =
       Clock(run_.course.steps.window, steps_covering(duration, run_.course.steps.window));

@@ -6,6 +6,7 @@
 #include <functional>
 #include <numeric>
 
+#include "fem/mesh/boxes.hpp"
 #include "fem/mesh/mesh.hpp"
 #include "unit/fem/embankment_scene.hpp"
 #include "unit/fem/ground_scene.hpp"
@@ -13,7 +14,8 @@
 namespace trackbed::fem::split_test {
 namespace {
 
-// METIS has a tolerance of 3 %; cuts are between elements, their nodes belong to the lower rank.
+// Cuts are between layers of elements, of METIS with a tolerance of 3 %; nodes between two ranks
+// belong to the lower one.
 constexpr double uneven = 1.12;
 
 // Elements written by this rank, which are its own except at borders: largest fraction over the
@@ -34,6 +36,38 @@ Block soft_half(double length, double depth) {
 
 const Strength& strength_of(const Mesh& mesh, std::size_t z) {
   return mesh.solids.strength[static_cast<std::size_t>(mesh.solid[z])];
+}
+
+// Of cost 3 in the lower half and 1 above, with sides that no power of two divides.
+TEST(Boxes, ContainEachElementOnceAndAreEven) {
+  const par::Comm comm = par::Comm::world();
+  const Index3 elements{50, 14, 22};
+  const auto cost = [](const Index3& at) { return at[2] < 11 ? 3.0 : 1.0; };
+  const Boxes boxes(comm, elements, cost);
+  double mine = 0, all = 0;
+  std::int64_t in_boxes = 0;
+  for (int rank = 0; rank < comm.size(); ++rank) in_boxes += boxes.box_of(rank).size();
+  EXPECT_EQ(in_boxes, elements[0] * elements[1] * elements[2]);
+  Index3 at;
+  for (at[2] = 0; at[2] < elements[2]; ++at[2])
+    for (at[1] = 0; at[1] < elements[1]; ++at[1])
+      for (at[0] = 0; at[0] < elements[0]; ++at[0]) {
+        const int rank = boxes.rank_of(at);
+        const IndexBox& box = boxes.box_of(rank);
+        for (std::size_t a = 0; a < 3; ++a)
+          ASSERT_TRUE(box.begin[a] <= at[a] && at[a] < box.end[a]);
+        all += cost(at), mine += rank == comm.rank() ? cost(at) : 0;
+      }
+  EXPECT_LT(comm.max(mine) * comm.size() / all, 1.06);
+}
+
+// Of two elements two ranks have one each, and others none.
+TEST(Boxes, FewElementsLeaveRanksEmpty) {
+  const par::Comm comm = par::Comm::world();
+  const Boxes boxes(comm, {1, 1, 2}, [](const Index3&) { return 1.0; });
+  const std::int64_t own = boxes.box_of(comm.rank()).size();
+  EXPECT_EQ(comm.sum(own), 2);
+  EXPECT_EQ(comm.max(own), comm.size() > 1 ? 1 : 2);
 }
 
 TEST(Split, YieldingElementsHaveALargerWeight) {

@@ -1,0 +1,18 @@
+// Wall times measured in `check`, on the cores on which it runs: of the stones of a bed as it is
+// laid from a cell, and of the ground.
+#pragma once
+
+#include "model/scene/world.hpp"
+#include "trackbed/model/course.hpp"
+
+namespace trackbed::model {
+
+// s of wall time of a window of the stones and of the coupler, in the bed as it is now. Moves the
+// stones. Collective.
+double measured_window_of_stones(World& world, const Steps& steps);
+
+// s of wall time of a window of the ground without loads: explicit steps, or an implicit one whose
+// matrix is factorised; a ground that yields takes more. Moves the ground. Collective.
+double measured_window_of_ground(World& world, double window);
+
+}  // namespace trackbed::model
