@@ -16,6 +16,7 @@ target_include_directories(trackbed_cgal SYSTEM INTERFACE ${CGAL_INCLUDE_DIR})
 target_link_libraries(trackbed_cgal INTERFACE ${MPFR_LIBRARY} ${GMP_LIBRARY})
 
 find_library(METIS_LIBRARY metis REQUIRED)
+find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)  # header only
 pkg_check_modules(PETSC REQUIRED IMPORTED_TARGET PETSc)
 # Options of Debian's own build (-D_FORTIFY_SOURCE), with which precompiled headers of modules
 # without PETSc could not be used.

@@ -29,6 +29,7 @@ class Trackbed(CMakePackage):
     depends_on("cli11@2:")
     depends_on("nlohmann-json@3.11:")
     depends_on("tomlplusplus@3.3:")
+    depends_on("xxhash@0.8:")
 
     def cmake_args(self):
         return [

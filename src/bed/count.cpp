@@ -1,11 +1,20 @@
 // Separate from `fill`, so that checking a deck does not need the code of the particles.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "columns.hpp"
+#include "trackbed/par/memory.hpp"
 
 namespace trackbed::bed {
+
+namespace {
+
+constexpr double bytes_of_stone = 500;  // a ball without contacts; most stones need far more
+
+}  // namespace
 
 // Each size is drawn once, in any order, so the loop over all of them gives the lightest stone
 // exactly.
@@ -17,6 +26,11 @@ Stones stones_of(const par::Comm& comm, const BedParameters& parameters,
   const Columns columns(parameters, domain, mix);
   Stones stones{.count = columns.stones(),
                 .smallest_volume = std::numeric_limits<double>::infinity()};
+  par::require_memory(
+      comm, bytes_of_stone * static_cast<double>(stones.count) / comm.size(),
+      fmt::format("{} has {:.3g} stones", parameters.section, static_cast<double>(stones.count)),
+      "are lengths in m and sieve sizes in mm? Otherwise use larger stones, a "
+      "smaller bed or more nodes");
   for (std::int64_t k = 0; k < stones.count; ++k) {
     const Draw draw =
         mix.draw(static_cast<std::uint64_t>(k), static_cast<std::uint64_t>(stones.count));

@@ -30,6 +30,15 @@ Bits affinity() {
 
 }  // namespace
 
+int ranks_on_node(const Comm& comm) {
+  MPI_Comm node = MPI_COMM_NULL;
+  MPI_Comm_split_type(mpi(comm), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
+  int ranks = 1;
+  MPI_Comm_size(node, &ranks);
+  MPI_Comm_free(&node);
+  return ranks;
+}
+
 Processors processors_of(const Comm& comm) {
   MPI_Comm node = MPI_COMM_NULL;
   MPI_Comm_split_type(mpi(comm), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);

@@ -19,6 +19,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 LIBRARIES = {  # name in the table -> pattern of its headers
     "mpi": re.compile(r"^mpi\.h$"),
     "metis": re.compile(r"^metis\.h$"),
+    "xxhash": re.compile(r"^xxhash\.h$"),
     "toml++": re.compile(r"^toml"),
     "hdf5": re.compile(r"^(hdf5|H5)"),
     "cgal": re.compile(r"^CGAL/"),

@@ -1,5 +1,5 @@
-// 64-bit hash of bytes (FNV-1a, Fowler-Noll-Vo 1991) and a finaliser with which hashes are combined
-// by addition, so that the hash of a set does not depend on order or number of ranks.
+// 64-bit hash of bytes and a finaliser with which hashes are combined by addition, so that the hash
+// of a set does not depend on order or number of ranks.
 #pragma once
 
 #include <cstddef>
@@ -7,12 +7,9 @@
 
 namespace trackbed {
 
-inline std::uint64_t hash_bytes(const void* data, std::size_t bytes,
-                                std::uint64_t seed = 0xcbf29ce484222325ULL) {
-  const auto* byte = static_cast<const unsigned char*>(data);
-  for (std::size_t i = 0; i < bytes; ++i) seed = (seed ^ byte[i]) * 0x100000001b3ULL;
-  return seed;
-}
+// XXH3 (Collet; xxHash 0.8), whose results do not depend on the processor. Of several ranges in
+// turn: the seed of each is the hash of the one before.
+std::uint64_t hash_bytes(const void* data, std::size_t bytes, std::uint64_t seed = 0);
 
 // splitmix64 finaliser (Steele, Lea, Flood 2014, doi:10.1145/2660193.2660195).
 inline std::uint64_t mix(std::uint64_t value) {

@@ -17,4 +17,6 @@ struct Processors {
 // processors are not seen. Collective.
 Processors processors_of(const Comm& comm);
 
+int ranks_on_node(const Comm& comm);  // of this rank; collective
+
 }  // namespace trackbed::par

@@ -14,6 +14,7 @@
 #include "fem/mesh/solid_mesh.hpp"
 #include "fem/mesh/split.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/par/memory.hpp"
 
 namespace trackbed::fem {
 
@@ -62,6 +63,24 @@ void fold(const std::vector<Image>& images, Nodal& force) {
   }
 }
 
+namespace {
+
+// Measured on lattices in space: elements of a rank, and nodes of the top, which every rank has
+// (docs/scaling.md).
+constexpr double bytes_of_element = 300, bytes_of_top_node = 400;
+
+void require_memory(const par::Comm& comm, const Lattice& lattice) {
+  const auto along = [&](std::size_t axis) { return static_cast<double>(lattice.elements[axis]); };
+  const double elements = along(0) * along(1) * along(2), top = (along(0) + 1) * (along(1) + 1);
+  const double space = lattice.plane ? 0.5 : 1;
+  par::require_memory(comm,
+                      space * (bytes_of_element * elements / comm.size() + bytes_of_top_node * top),
+                      fmt::format("the ground has {:.3g} elements", elements),
+                      "is its size in m? Otherwise use fewer elements or more nodes");
+}
+
+}  // namespace
+
 Mesh::Mesh(const par::Comm& communicator, const GroundParameters& parameters, Dimension dimension,
            double thickness)
     : comm(communicator),
@@ -71,6 +90,7 @@ Mesh::Mesh(const par::Comm& communicator, const GroundParameters& parameters, Di
     import(make_solid_mesh(parameters));
     return;
   }
+  require_memory(comm, lattice);
   const Boxes boxes = boxes_of(comm, lattice, solids, parameters);
   // The lowest rank among those of the elements around it, a rule that every rank applies alone. An
   // image and its home have the same owner, which holds the elements around both.
