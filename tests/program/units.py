@@ -32,7 +32,7 @@ PLAIN = {
     "/balance/roll_moment", "/balance/impulse", "/balance/work", "run/stages/name",
     "run/stages/substeps", "run/stages/particles", "run/stages/aim",
     "traffic/cycles", "run/jump/counted", "run/jump/friction", "run/jump/in_stage",
-    "run/jump/noted", "run/jump/rests"}
+    "run/jump/noted"}
 # Words in the meaning of a dataset that imply a unit.
 WITH_UNIT = re.compile(r"\((m|s|N|J|Pa|kg|m/s|m/s\^?2|rad)[;:)]")
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <string>
-#include <vector>
 
 #include "model/scene/world.hpp"
 #include "trackbed/core/clock.hpp"
@@ -24,8 +23,8 @@ class Jump {
   void watch(const Stage& stage, const Clock& clock);
   void end(const Stage& stage);  // of the stage
 
-  // N on sleeper i in a jump, `time` s after it began, besides the seat force.
-  double load(const Stage& stage, double time, std::size_t i) const;
+  // N on each sleeper in a jump, `time` s after it began, besides the seat force.
+  double load(const Stage& stage, double time) const;
   double friction() const { return friction_; }  // over that of the contact laws
   // Whether a cycle of a jump ends now, and the sleepers have settled as they should.
   bool is_over(const Stage& stage, const Clock& clock) const;
@@ -37,23 +36,20 @@ class Jump {
   void archive(io::Archive& a);
 
  private:
-  void note_levels_before_jump(const Stage& stage);
-  bool continues(const Stage& stage) const;
+  void note_level_before_jump(const Stage& stage);
   bool ends_cycle(const Clock& clock) const;
-  std::vector<double> levels() const;                                          // m, of the sleepers
-  std::vector<double> settled_since(const std::vector<double>& levels) const;  // m, of each
-  std::vector<double> aims(double factor) const;                               // m, of each
-  double missing() const;  // m, of the mean settlement in a jump
+  double level() const;                                // m, mean of the sleepers
+  double settled() const { return level_ - level(); }  // m, in a jump
+  double missing() const;                              // m, of the settlement in a jump
 
   World& world_;
   const Model& model_;
   double counted_ = -1;  // cycles; below 0: none count yet
   double in_stage_ = 0;  // complete cycles of the present stage
-  double noted_ = -1;    // `counted_` when the levels were noted; below 0: they were not
+  double noted_ = -1;    // `counted_` when the level was noted; below 0: it was not
+  double level_ = 0;     // m, then; in a jump at its begin
+  double aim_ = 0;       // m, settlement of a jump
   double friction_ = 1;
-  // Of each sleeper: m, height then; m, height at the begin of a jump; m, its settlement in the
-  // jump; 1 if it has settled so and is loaded no more.
-  std::vector<double> noted_levels_, levels_, aims_, rests_;
 };
 
 }  // namespace trackbed::model

@@ -200,7 +200,7 @@ std::vector<double> StageActions::seat_forces(const Stage& stage, double time) c
   std::vector<double> forces(world_.sleepers ? world_.sleepers->count() : 0, stage.seat_force);
   for (std::size_t i = 0; i < forces.size(); ++i) {
     if (stage.kind == StageKind::load) forces[i] += stage.load * load_shape(stage, time);
-    forces[i] += jump_.load(stage, time, i);
+    forces[i] += jump_.load(stage, time);
     if (train_.there())
       forces[i] += train_.seat_force(i);
     else if (stage.kind == StageKind::passage && !model_.has_solid_rails())
