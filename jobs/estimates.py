@@ -39,10 +39,9 @@ def numbers_after(report, words):
 
 def estimated(report):
     """s of wall time of a window of each stage."""
-    more = float(re.search(r"with (\d+) % for track, coupling and output", report)[1]) / 100
     windows = numbers_after(report, "largest number of windows")
     seconds = numbers_after(report, "largest wall time, s")
-    return {name: (1 + more) * seconds[name] / windows[name] for name in windows}
+    return {name: seconds[name] / windows[name] for name in windows}
 
 
 def summary_of(program, ranks, deck, words, folder):

@@ -79,7 +79,8 @@ def facts_of(folder):
     found["stage"] = (f"{last.get('stage_number')} of {last.get('stages')}, "
                       f"{last.get('stage')}{done}")
     found["simulated time, s"] = f"{last.get('time_s', 0):.6g}"
-    present = _last(events, "progress")
+    command = max(k for k, one in enumerate(events) if k == 0 or one.get("event") == "begin")
+    present = _last(events[command:], "progress")
     if computes(folder) and present:
         found["remaining if stages have their full duration, h:mm:ss"] = _clock(
             present.get("remaining_s", 0))

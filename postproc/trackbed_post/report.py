@@ -8,6 +8,7 @@ exists. A report can be written again and again until its runs have ended.
 import base64
 import functools
 import html
+import math
 import pathlib
 import tempfile
 import time
@@ -42,7 +43,8 @@ class Run:
         if progress.computes(self.folder):
             return "still running"
         if not self.summary:
-            return "still running, or failed (no summary.json)"
+            return progress.facts_of(self.folder).get(
+                "run", "still running, or failed (no summary.json)")
         return "finished" if self.summary["finished"] else "stopped early"
 
 
@@ -184,7 +186,7 @@ def page(runs, folder, over, every=0):
     for run in runs:
         parts.append(f"<details>{element('summary', run.name)}{element('pre', run.text)}</details>")
     title = element("title", "trackbed: " + " and ".join(run.name for run in runs))
-    again = f'<meta http-equiv="refresh" content="{every:g}">' if every else ""
+    again = f'<meta http-equiv="refresh" content="{math.ceil(every)}">' if every else ""
     return (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">{again}{title}'
             f"<style>{STYLE}</style></head>\n<body>\n" + "\n".join(parts) + "\n</body></html>\n")
 
@@ -210,10 +212,11 @@ def follow(results, file, over, every):
     none does. Results that cannot be read, as in the moment in which they are written, leave the
     report as it was."""
     folders = [read.folder_of(one) for one in results]
+    write_report(results, file, over, every)  # with all that is wrong in the command
     while any(progress.computes(one) for one in folders):
+        time.sleep(every)
         try:
             write_report(results, file, over, every)
         except read.Unreadable as why:
             print(f"the report stays as it was: {why}", flush=True)
-        time.sleep(every)
     write_report(results, file, over)

@@ -14,17 +14,27 @@ namespace trackbed::par {
 
 namespace {
 
-// Of the second version of control groups, which containers and queues set; a group without a limit
-// has a word instead of the number.
-double limit_of_group() {
-  std::ifstream file("/sys/fs/cgroup/memory.max");
-  double bytes = 0;
-  return file >> bytes ? bytes : std::numeric_limits<double>::infinity();
+// The least limit of the control groups (second version) around this process, which containers and
+// queues set; a group without a limit has a word instead of the number.
+double limit_of_groups() {
+  const std::string root = "/sys/fs/cgroup";
+  std::string group;
+  std::ifstream own("/proc/self/cgroup");
+  for (std::string line; std::getline(own, line);)
+    if (line.starts_with("0::")) group = line.substr(3);
+  double least = std::numeric_limits<double>::infinity(), bytes = 0;
+  for (;;) {
+    if (std::ifstream file(root + group + "/memory.max"); file >> bytes)
+      least = std::min(least, bytes);
+    const auto parent = group.rfind('/');
+    if (group.empty() || parent == std::string::npos) return least;
+    group.resize(parent);
+  }
 }
 
 double memory_of_node() {
   const auto pages = static_cast<double>(sysconf(_SC_PHYS_PAGES));
-  return std::min(pages * static_cast<double>(sysconf(_SC_PAGESIZE)), limit_of_group());
+  return std::min(pages * static_cast<double>(sysconf(_SC_PAGESIZE)), limit_of_groups());
 }
 
 }  // namespace

@@ -223,7 +223,7 @@ def test_the_report_follows_a_run_until_it_ends(tmp_path):
                 break
             time.sleep(0.1)
         text = path.read_text(encoding="utf-8")
-        assert '<meta http-equiv="refresh" content="0.2">' in text and "still running" in text
+        assert '<meta http-equiv="refresh" content="1">' in text and "still running" in text
         assert follower.is_alive()
     follower.join(30)
     assert not follower.is_alive()

@@ -39,7 +39,8 @@ Mesh surface_of(const Piece& piece, int fineness = 4);
 
 // Depth of points inside a closed mesh, m; negative outside (CGAL).
 std::vector<double> depths(const Mesh& mesh, const std::vector<Vec3>& points);
-// The same for a rounded convex piece; of points outside at least a bound, exact within a radius.
+// The same for a rounded convex piece, exact inside; outside negative, and no more than the
+// distance.
 std::vector<double> depths(const Piece& piece, const std::vector<Vec3>& points);
 
 // Hull of a mesh with at most `vertices` corners: the corner that is furthest outside the present

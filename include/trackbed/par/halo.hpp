@@ -39,7 +39,7 @@ class Halo {
     static_assert(std::is_trivially_copyable_v<T>);
     if (neighbours_.empty()) return;
     send_.resize(received_ * sizeof(T));
-    __builtin_memcpy(send_.data(), ghosts, send_.size());
+    if (received_ > 0) __builtin_memcpy(send_.data(), ghosts, send_.size());  // no null pointer
     transfer(sizeof(T), reinterpret_cast<std::byte*>(returned), Direction::backward);
   }
 

@@ -114,7 +114,7 @@ double Particles::Impl::motion_since_rebuild(std::size_t b) const {
   return moved + 2.1 * x.w * std::sqrt(cx * cx + cy * cy + cz * cz + cw * cw);
 }
 
-// Eight bodies at a time, except those of space with prescribed spin.
+// Eight bodies at a time. In space, bodies with prescribed spin are rotated apart from them.
 void Particles::Impl::drift_and_rotate(double dt) {
   thread_local std::vector<std::pair<std::size_t, Vec4>> steady;  // and their attitudes
   steady.clear();

@@ -80,7 +80,6 @@ struct StoneList : PairList {
   void forget(std::uint32_t e) { PairList::forget(e), turn[e] = {}; }
 };
 
-// A piece near a surface. Of own particles only.
 // Where the centre of a ball was while it did not touch a surface, m, beside the piece; and the sum
 // of the distance from there and of the surface's path until then: before centre and surface have
 // moved as far, less the radius, they cannot touch.
@@ -98,6 +97,7 @@ struct Clearance {
   }
 };
 
+// A piece near a surface. Of own particles only.
 struct Approach {
   std::int32_t piece;
   std::int32_t surface;

@@ -1,6 +1,7 @@
 // Records of a file, each read by one rank, are sent to the ranks that hold the particles they
 // name. No rank knows where all particles are: rank `id mod ranks` knows the holder of a particle,
-// and forwards the records that name it. Every rank holds about 1/ranks of all records at a time.
+// and forwards the records that name it. A rank holds several times 1/ranks of all records while
+// they are sent, as most are sent twice.
 #pragma once
 
 #include <algorithm>
@@ -40,7 +41,9 @@ std::vector<Record> delivered(const par::Comm& comm, std::span<const Id> held,
       if (to[0] >= 0) out[static_cast<std::size_t>(to[0])].push_back(record);
       if (to[1] >= 0 && to[1] != to[0]) out[static_cast<std::size_t>(to[1])].push_back(record);
     }
+    // The rank's own list is not sent: one rank alone may have more than a message can hold.
     std::vector<Record> in;
+    in.swap(out[static_cast<std::size_t>(comm.rank())]);
     for (const auto& list : comm.exchange(out)) in.insert(in.end(), list.begin(), list.end());
     return in;
   };

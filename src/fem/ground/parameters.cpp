@@ -14,7 +14,7 @@ using input::Section;
 
 namespace {
 
-// Every rank partitions all of them redundantly, with 56 bytes for each.
+// Of several ranks; a mistaken unit is found before memory is. Not tried with more.
 constexpr double most_elements = 1e8;
 
 // Minimum number of corners of an outline; two numbers per corner.

@@ -23,7 +23,8 @@ Index3 element_at(const IndexBox& box, std::int64_t k) {
 }
 
 // The layer at which the lower side has the fraction `wanted` of the cost: a layer belongs to the
-// side that contains most of it. Neither side is left empty if there are two layers.
+// side that contains most of it. Neither side is left empty if there are two
+// layers or more.
 std::int64_t cut_at(std::span<const std::int64_t> layers, double wanted) {
   const double all =
       static_cast<double>(std::accumulate(layers.begin(), layers.end(), std::int64_t{0}));

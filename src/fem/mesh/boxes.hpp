@@ -1,8 +1,7 @@
 // Partition of the elements of a lattice into boxes of even cost, one for each rank: the longest
 // side of a box, counted in elements, is cut between two layers until each rank has its box
 // (recursive bisection: Berger, Bokhari 1987, doi:10.1109/TC.1987.1676942). Every rank keeps the
-// cuts, a few numbers for each rank, and finds the box of any element from them; no rank visits all
-// elements.
+// cuts, a few numbers for each rank, and finds the box of any element from them.
 #pragma once
 
 #include <functional>

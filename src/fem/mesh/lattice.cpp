@@ -194,7 +194,7 @@ int block_at(const GroundParameters& parameters, const Vec3& point) {
 }
 
 // Layers in turn, then blocks in turn. Linear in the number of blocks and layers, a handful each;
-// called once per held element.
+// called a few times per held element.
 int region_at(const GroundParameters& parameters, const Vec3& point) {
   if (const int block = block_at(parameters, point); block >= 0) return block;
   double bottom = 0;

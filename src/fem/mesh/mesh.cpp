@@ -65,8 +65,8 @@ void fold(const std::vector<Image>& images, Nodal& force) {
 
 namespace {
 
-// Measured on lattices in space: elements of a rank, and nodes of the top, which every rank has
-// (docs/scaling.md).
+// Elements of a rank, and nodes of the top, which every rank has: a fifth below what was measured
+// in space (docs/scaling.md), so that nothing that fits is refused.
 constexpr double bytes_of_element = 300, bytes_of_top_node = 400;
 
 void require_memory(const par::Comm& comm, const Lattice& lattice) {
@@ -79,18 +79,25 @@ void require_memory(const par::Comm& comm, const Lattice& lattice) {
                       "is its size in m? Otherwise use fewer elements or more nodes");
 }
 
+Lattice lattice_in_memory(const par::Comm& comm, const GroundParameters& parameters,
+                          Dimension dimension, double thickness) {
+  Lattice lattice = make_lattice(parameters, dimension, thickness);
+  require_memory(comm, lattice);
+  return lattice;
+}
+
 }  // namespace
 
 Mesh::Mesh(const par::Comm& communicator, const GroundParameters& parameters, Dimension dimension,
            double thickness)
     : comm(communicator),
-      lattice(parameters.mesh.empty() ? make_lattice(parameters, dimension, thickness) : Lattice{}),
+      lattice(parameters.mesh.empty() ? lattice_in_memory(comm, parameters, dimension, thickness)
+                                      : Lattice{}),
       solids(parameters, lattice) {
   if (parameters.of_tetrahedra()) {
     import(make_solid_mesh(parameters));
     return;
   }
-  require_memory(comm, lattice);
   const Boxes boxes = boxes_of(comm, lattice, solids, parameters);
   // The lowest rank among those of the elements around it, a rule that every rank applies alone. An
   // image and its home have the same owner, which holds the elements around both.
@@ -137,7 +144,6 @@ void Mesh::hold(const std::vector<Id>& candidates, const Owner& owner,
     for (int k = 0; k < lattice.corners(); ++k) node.push_back(lattice.corner(at, k));
   }
   number(owner);
-  require_countable();
   line.resize(element.size());
   for (std::size_t z = 0; z < element.size(); ++z)
     for (int l = 0; l < lines(); ++l)
@@ -159,16 +165,6 @@ void Mesh::number(const Owner& owner) {
     if (owned.back() != 0) own.push_back(static_cast<std::int32_t>(n));
     if (mine && home != node[n]) images.push_back({static_cast<std::int32_t>(n), local_node(home)});
   }
-}
-
-// Collective.
-void Mesh::require_countable() const {
-  constexpr auto most = std::numeric_limits<std::int32_t>::max();
-  if (const auto nodes = comm.max(static_cast<std::int64_t>(node.size())); nodes >= most)
-    throw InputError(
-        {fmt::format("a rank has {} nodes of the ground, but can have at most {}; use "
-                     "more ranks or fewer elements",
-                     nodes, most)});
 }
 
 std::int32_t Mesh::home(std::int32_t n) const {

@@ -122,7 +122,6 @@ struct Mesh {
   void hold(const std::vector<Id>& candidates, const Owner& owner,
             const GroundParameters& parameters);
   void number(const Owner& owner);
-  void require_countable() const;
   void import(const SolidMesh& whole);
   void connect(const Owner& owner);
   template <int D>

@@ -26,10 +26,10 @@ struct ElementGraph {
   int per_element, common;
 };
 
-// Owner of each of `nodes` nodes: the lowest rank among those of the elements around it, a rule
-// that every rank can apply alone. METIS partitions the elements into equal sums of `cost`.
-// `node_of`: all nodes of the elements in turn, the same number for each. Local: every rank
-// computes all owners.
+// Of tetrahedra, the owner of each of `nodes` nodes: the lowest rank among those of the elements
+// around it, a rule that every rank can apply alone. METIS partitions the elements into equal sums
+// of `cost`. `node_of`: all nodes of the elements in turn, the same number for each. Local: every
+// rank computes all owners.
 std::vector<int> split_nodes(const ElementGraph& elements, std::span<const double> cost,
                              std::span<const std::int32_t> node_of, std::size_t nodes, int ranks);
 

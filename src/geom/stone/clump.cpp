@@ -125,10 +125,9 @@ std::vector<Sphere> grown(std::vector<Sphere> spheres, double by) {
 std::vector<Sphere> filled(const std::vector<Sphere>& spheres, double volume, double extent) {
   if (spheres.empty())
     throw std::invalid_argument(
-        "the mesh is too thin to contain spheres; use convex pieces instead (without --spheres)");
+        "the stone is too thin to be filled with spheres; use convex pieces instead");
   constexpr int cells = 128;
-  // 1e-9 of the extent; the volume of the union itself is accurate to 1e-4.
-  constexpr int bits = 30;
+  constexpr int bits = 30;  // of the growth, far beyond the 1e-4 to which the volume is accurate
   const auto missing = [&](double by) { return volume - union_volume(grown(spheres, by), cells); };
   const double most = extent / 4, at_none = missing(0), at_most = missing(most);
   if (at_none <= 0) return spheres;

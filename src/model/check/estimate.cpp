@@ -26,9 +26,8 @@ namespace trackbed::model {
 namespace {
 
 // s of wall time of one sub-step on one core, per stone and per piece; only for an estimate. From
-// runs of the decks in inputs/ on idle cores: single spheres, and stones of about 20 pebbles, in
-// space and in a plane; pieces with corners lie between inputs/track/bridge (230 ns) and
-// inputs/bench/stones12 (480 ns), whose stones have more contacts.
+// runs of the decks in inputs/: single spheres, and stones of about 20 pebbles, in space and in a
+// plane; for pieces with corners the middle of the runs of docs/scaling.md.
 constexpr double time_per_stone = 75e-9, time_per_polyhedron = 330e-9;
 constexpr double time_per_ball(Dimension dimension) {
   return dimension == Dimension::plane ? 5e-9 : 15e-9;
@@ -37,7 +36,8 @@ constexpr double time_per_ball(Dimension dimension) {
 // Track, coupling and output over stones and ground, plus 1: 2 to 12 % in the runs of
 // docs/scaling.md. A bed under load has more contacts than as it is laid.
 constexpr double other_costs = 1.1, loaded = 1.12;
-// Least and largest ratio of measured and estimated times in these runs.
+// Measured over estimated times of these runs, rounded outwards; of measured beds those of single
+// stages. Without the one in which most stones split.
 constexpr std::pair<double, double> spread_if_measured{0.8, 1.25}, spread_of_table{0.4, 1.8};
 
 struct Cut {
@@ -255,7 +255,7 @@ std::vector<std::string> sentences_of(const Model& model, const std::vector<Stag
 std::string sentence_of_times(const std::vector<StageCost>& costs) {
   std::string line = "largest wall time, s:";
   for (const StageCost& cost : costs)
-    line += fmt::format(" {} {:.2g}{}", cost.stage->name, cost.stones + cost.ground,
+    line += fmt::format(" {} {:.3g}{}", cost.stage->name, other_costs * (cost.stones + cost.ground),
                         &cost == &costs.back() ? "" : ",");
   return line;
 }
@@ -268,12 +268,15 @@ std::string sentence_of_total(const par::Comm& comm, const std::vector<StageCost
   const double all = other_costs * (stones + ground);
   const auto [least, most] = measured ? spread_if_measured : spread_of_table;
   const std::string basis =
-      measured ? "the stones measured as they are laid"
-               : fmt::format(
-                     "{:.0f} ns in a sub-step for each stone, {:.0f} ns for each ball and "
-                     "{:.0f} ns for each polyhedron of a stone",
-                     time_per_stone * 1e9, time_per_ball(model.dimension) * 1e9,
-                     time_per_polyhedron * 1e9);
+      measured
+          ? fmt::format(
+                "the stones measured as they are laid, with {:.0f} % for more contacts under load",
+                100 * (loaded - 1))
+          : fmt::format(
+                "{:.0f} ns in a sub-step for each stone, {:.0f} ns for each ball and "
+                "{:.0f} ns for each polyhedron of a stone",
+                time_per_stone * 1e9, time_per_ball(model.dimension) * 1e9,
+                time_per_polyhedron * 1e9);
   return fmt::format(
       "estimated wall time on {} rank{}: {}, usually {:g} to {:g} times as much, of it {:.0f} % "
       "for the ground ({}; with {:.0f} % for track, coupling and output{}; assumes that nothing "
@@ -291,7 +294,7 @@ void measure_stones(World& world, const Steps& steps, std::vector<LayerForecast>
   try {
     const double window = measured_window_of_stones(world, steps);
     for (LayerForecast& layer : layers)
-      layer.step_time = loaded * window / steps.substeps / count * world.comm.size();
+      layer.step_time = window / steps.substeps / count * world.comm.size();
   } catch (const RunError& why) {
     problem = why.what();
   }
@@ -313,10 +316,12 @@ Estimate estimate(World& world, const StageActions& actions, const StonesOfLayer
   if (copies)
     measure_stones(world, choose_steps(world, step_of(world), model.stages.front(), deck), layers,
                    problem);
-  const auto costs = costs_of_stages(world, actions, stones, deck, layers);
+  const bool measured = copies && problem.empty();
+  auto costs = costs_of_stages(world, actions, stones, deck, layers);
+  for (StageCost& cost : costs) cost.stones *= measured ? loaded : 1;
   for (const std::string& line : sentences_of(model, costs)) result.lines.push_back(line);
   result.lines.push_back(sentence_of_times(costs));
-  result.lines.push_back(sentence_of_total(world.comm, costs, copies && problem.empty(), model));
+  result.lines.push_back(sentence_of_total(world.comm, costs, measured, model));
   if (!problem.empty())
     result.lines.push_back("warning: the first windows of the bed as it is laid fail: " + problem);
   double longest = 0, windows = 0;

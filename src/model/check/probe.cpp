@@ -2,6 +2,7 @@
 // two. The first window sets up neighbour lists, or matrices, and is not counted.
 #include "model/check/probe.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <vector>
 
@@ -36,12 +37,19 @@ double measured_window_of_stones(World& world, const Steps& steps) {
     const dem::SurfaceAction& did = world.particles.surface_action();
     world.coupler.collect(steps.substeps, steps.window, {did.force, did.moment, did.work});
     world.particles.expect_load(world.coupler.largest_load());
+    world.comm.agree(world.particles.trouble());
+    world.comm.agree(world.coupler.trouble());
   });
 }
 
 double measured_window_of_ground(World& world, double window) {
-  const std::vector<Vec3> load(world.ground->top().nodes(), Vec3::Zero());
-  return mean_time_of(world.comm, [&] { world.ground->advance(window, load); });
+  std::vector<Vec3> load(world.ground->top().nodes(), Vec3::Zero());
+  double newtons = 1;  // changes from window to window, so that an implicit step has to iterate
+  return mean_time_of(world.comm, [&] {
+    std::fill(load.begin(), load.end(), Vec3(0, 0, -newtons));
+    newtons = newtons < 2 ? 1.01 * newtons : 1;
+    world.ground->advance(window, load);
+  });
 }
 
 }  // namespace trackbed::model

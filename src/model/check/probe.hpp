@@ -8,11 +8,11 @@
 namespace trackbed::model {
 
 // s of wall time of a window of the stones and of the coupler, in the bed as it is now. Moves the
-// stones. Collective.
+// stones. Throws RunError if they cannot be computed. Collective.
 double measured_window_of_stones(World& world, const Steps& steps);
 
-// s of wall time of a window of the ground without loads: explicit steps, or an implicit one whose
-// matrix is factorised; a ground that yields takes more. Moves the ground. Collective.
+// s of wall time of a window of the ground under small loads that change: explicit steps, or an
+// implicit one; a ground that yields takes more. Moves the ground. Collective.
 double measured_window_of_ground(World& world, double window);
 
 }  // namespace trackbed::model

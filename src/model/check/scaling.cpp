@@ -33,12 +33,10 @@ std::vector<std::string> scaling_of(World& world, const std::vector<int>& ranks,
   world.particles.make_lists();
   const dem::Decomposition whole = world.particles.decomposition(1);
   const double alone = step_time * whole.particles_mean, unit = alone / whole.work_mean;
-  // Bytes of a stone with its contacts, own or ghost, as they are now.
-  const dem::Decomposition here = world.particles.decomposition(world.comm.size());
-  const double bytes = world.comm.sum(static_cast<double>(world.particles.memory().total())) /
-                       world.comm.size() / (here.particles_mean + here.ghosts_mean);
+  // Of a stone with its contacts, as they are now.
+  const double bytes = static_cast<double>(world.particles.memory().total()) / whole.particles_mean;
   std::vector<std::string> lines{
-      fmt::format("of the stones as they are poured, in a sub-step (assumed: {:g} us for a "
+      fmt::format("of the stones as they are laid, in a sub-step (assumed: {:g} us for a "
                   "neighbour, {:g} GB/s, {:g} us for a doubling of ranks):",
                   1e6 * latency, 1e-9 * bandwidth, 1e6 * reduction),
       "ranks  stones of a rank  work us  over mean  ghosts/own  neighbours  received kB  messages "
