@@ -68,8 +68,8 @@ struct Clump {
 // the one that adds most volume is taken repeatedly; then all radii are increased by the same
 // amount until the union has the volume of the mesh.
 Clump clump(const Mesh& mesh, int spheres);
-// The same spheres for a rounded convex piece, without the measures: 50 times as fast as for a mesh
-// of its surface.
+// The same for a rounded convex piece itself, without the measures: its depths are exact and need
+// no search.
 std::vector<Sphere> spheres_filling(const Piece& piece, int spheres);
 
 }  // namespace trackbed::geom
