@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <numbers>
 #include <span>
@@ -40,13 +39,6 @@ constexpr double other_costs = 1.1, loaded = 1.12;
 // Measured over estimated times of these runs, rounded outwards; of measured beds those of single
 // stages. Without the one in which most stones split.
 constexpr std::pair<double, double> spread_if_measured{0.8, 1.25}, spread_of_table{0.4, 1.8};
-
-struct LayerForecast {
-  std::string layer;      // name; empty: the uppermost one
-  std::int64_t made = 0;  // stones that its stage of kind fill pours: exact
-  std::int64_t left = 0;  // stones below the last profile and beside the sleepers: expected
-  double step_time = 0;   // s of one core for a sub-step of a stone
-};
 
 struct Cut {
   double crest = 0;           // m; 0: nothing is cut
@@ -175,9 +167,8 @@ std::vector<std::string> warning_of_ground_steps(const World& world, double long
                   steps)};
 }
 
-// For each stage of kind fill, in order; copies of a cell are counted in `world`. `left` is correct
-// as far as the compacted bed has the height and porosity given in the deck; stones of cribs are
-// not included. Throws InputError if they cannot be made. Collective.
+}  // namespace
+
 std::vector<LayerForecast> forecast(const World& world, const StonesOfLayers& stones) {
   const Model& model = world.model;
   const par::Comm& comm = world.comm;
@@ -202,6 +193,8 @@ std::vector<LayerForecast> forecast(const World& world, const StonesOfLayers& st
   }
   return layers;
 }
+
+namespace {
 
 // A stage and what it costs at most, s of wall time: stages may end early.
 struct StageCost {
