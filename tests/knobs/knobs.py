@@ -295,6 +295,7 @@ KNOBS = {
     "stage.[].layer": ("stage.fill.layer=lower", ["bed.layer.0.porosity=0.4"]),
     "stage.[].duration": ("stage.fill.duration=0.14", []),
     "stage.[].friction": ("stage.load.friction=0.1", []),
+    "stage.[].stiffness": ("stage.fill.stiffness=0.1", []),
     "stage.[].growth": ("stage.fill.growth=0.05", []),
     "stage.[].growth_height": ("stage.fill.growth_height=1.3", ["stage.fill.growth=0.05"]),
     "stage.[].local_damping": ("stage.load.local_damping=0.5", []),

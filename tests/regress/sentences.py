@@ -394,6 +394,9 @@ def check_warnings(program, deck, folder):
              (deck, ("bed.porosity=0.6",), ["stage compact: the compacted bed has"]),
              (deck, ("stage.compact.duration=0.01",),
               ["without reaching its aim", "the compacted bed has"]),
+             (deck, ("stage.fill.stiffness=0.01", "stage.fill.duration=0.2",
+                     "dem.largest_overlap=9"),
+              ["stage compact: contacts become 100 times as stiff while they overlap"]),
              (falling, fast, ["faster than 3 m/s or above the walls at the end"]),
              (deck, dropped, ["ballast: the ballast below this sleeper has failed"])]
     for number, (of, changes, wanted) in enumerate(cases):

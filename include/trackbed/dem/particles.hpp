@@ -101,8 +101,8 @@ struct ContactView {
 // of Hertz contacts whose stiffness changes) and by dashpots (those of bonds included), and by
 // local damping; supplied by surfaces that move. Kinetic, potential and elastic energy less what
 // was supplied, plus what was dissipated, is constant up to errors of the time step. Not included:
-// particles that are added, removed, stopped, held, grow or break, and surfaces that are taken away
-// or rotate.
+// particles that are added, removed, stopped, held, grow or break, surfaces that are taken away or
+// rotate, and changes of stiffness.
 struct EnergyAccount {
   double friction = 0, contact_damping = 0, local_damping = 0, supplied = 0;
 
@@ -222,6 +222,8 @@ class Particles {
   void set_local_damping(double alpha);  // overrides the materials' value; < 0: restores it
   void set_friction(double mu);          // overrides that of all contacts; < 0: restores it
   void scale_friction(double factor);    // overrides it by this times that of the contact laws
+  // Contacts have this fraction, above 0, of the stiffness of their laws; bonds keep theirs.
+  void set_stiffness(double fraction);
   void stop();  // all velocities to zero (end of a packing stage), except those of held particles
   // Particles with this id and higher ones, which are still to be added, have this fraction of
   // their size, in (0, 1], and all of their mass; all of these then grow to a larger one. Local, to

@@ -8,6 +8,10 @@
 
 namespace trackbed::dem {
 
+// The same materials and laws with this fraction, above 0, of the stiffness of all contacts;
+// dampers keep their ratios.
+Physics with_stiffness(Physics physics, double fraction);
+
 // N/m, stiffness of the stiffest law. Hertz: k = F/delta on a contact of this radius (m) at the
 // largest overlap allowed (fraction of the radius). Pairs of unknown materials do not count.
 double stiffest_contact(const Physics& physics, double radius, double largest_overlap);

@@ -56,6 +56,7 @@ struct Stage {
   double growth_height = 1;   // initial height of growing stones over that of the bed
   double local_damping = -1;  // Cundall's alpha during the stage; < 0: that of the materials
   double friction = -1;       // of all contacts during the stage; < 0: that of the contact laws
+  double stiffness = 1;       // of all contacts during the stage over that of the contact laws
   double until_ratio = 0;     // stop early once Totals::unbalanced is below; 0: never
   bool ground_moves = false;
   double lift = 0.01;       // m/s, release: speed of the platen, lift_walls: of the walls
@@ -188,6 +189,7 @@ struct Model {
   dem::Domain domain() const;
   bed::Container container() const;
   double pressure_in(const Stage& stage) const;  // Pa, of the platen
+  Model with_contacts_of(const Stage& stage) const;
   // Numbers of the stages with which breakage begins and bonds are made, or of all stages.
   std::size_t breaks_from() const;
   std::size_t bonds_from(std::size_t kind) const;

@@ -218,6 +218,12 @@ double linear_damping(double restitution, bool cut) {
   });
 }
 
+Physics with_stiffness(Physics physics, double fraction) {
+  for (ContactLaw& c : physics.laws) c.k_n *= fraction, c.k_s *= fraction;
+  for (Material& m : physics.materials) m.young *= fraction;
+  return physics;
+}
+
 // Hertz: k = F/delta; the slope of F is 1.5 times that, which the safety of the step covers. A
 // spring of rolling resistance has its own frequency and counts too.
 double stiffest_contact(const Physics& physics, double radius, double largest_overlap) {
@@ -344,6 +350,16 @@ LawTable::LawTable(const Physics& physics)
   }
   if (!problems.empty()) throw InputError(problems);
   for (const Law& law : laws_) friction_.push_back(law.springs.mu), rolls_ |= law.rolling.mu > 0;
+}
+
+// For stages with softer contacts. The override of friction is kept.
+void LawTable::set_stiffness(const Physics& physics) {
+  const LawTable other(physics);
+  for (std::size_t k = 0; k < laws_.size(); ++k) {
+    const double mu = laws_[k].springs.mu;
+    laws_[k] = other.laws_[k];
+    laws_[k].springs.mu = mu;
+  }
 }
 
 // For stages that pack with less friction. The limit of rolling is not changed.

@@ -81,6 +81,8 @@ class LawTable {
   // `mu` is the friction of every law from now on; below 0: restores their own values.
   void override_friction(double mu);
   void scale_friction(double factor);  // of the given values
+  // Stiffness and dampers of these laws, which are the same but for their stiffness.
+  void set_stiffness(const Physics& physics);
   const std::vector<Law>& all() const { return laws_; }
   std::size_t materials() const { return materials_; }
   bool any_hertz() const {

@@ -227,7 +227,8 @@ struct Particles::Impl {
     stone_contacts.reset(scene(), stones);
   }
   par::Comm comm;
-  Physics physics;
+  const Physics declared;  // of the deck
+  Physics physics;         // at present: with the stiffness of `set_stiffness`
   Parameters parameters;
   Domain domain;
   LawTable laws;

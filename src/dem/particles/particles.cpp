@@ -53,7 +53,8 @@ Physics within(Physics physics, const Domain& domain) {
 Particles::Impl::Impl(const par::Comm& comm_, const Physics& physics_,
                       const Parameters& parameters_, const Domain& domain_)
     : comm(comm_),
-      physics(within(physics_, domain_)),
+      declared(within(physics_, domain_)),
+      physics(declared),
       parameters(parameters_),
       domain(domain_),
       laws(physics) {}
@@ -285,6 +286,12 @@ std::string Particles::trouble() { return std::exchange(impl_->trouble, {}); }
 void Particles::set_local_damping(double alpha) { impl_->local_damping = alpha; }
 void Particles::set_friction(double mu) { impl_->laws.override_friction(mu); }
 void Particles::scale_friction(double factor) { impl_->laws.scale_friction(factor); }
+void Particles::set_stiffness(double fraction) {
+  Impl& r = *impl_;
+  r.physics = with_stiffness(r.declared, fraction);
+  r.laws.set_stiffness(r.physics);
+  r.choose_quantum();
+}
 
 // Positions and histories are kept: the springs stay loaded.
 void Particles::stop() {

@@ -9,13 +9,9 @@
 
 #include "fem/ground/impl.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/io/named_rows.hpp"
 
 namespace trackbed::fem {
-
-namespace {
-// Rows that a rank reads at once: 8 MB of node numbers.
-constexpr std::size_t rows_at_once = 1u << 20;
-}  // namespace
 
 // The order in which datasets are written; they are read by name.
 void State::list(const Visit& visit) {
@@ -66,28 +62,17 @@ void save_plasticity(Plasticity& plasticity, const Mesh& mesh, io::File& file,
   });
 }
 
-// Every rank reads the elements it holds, including those at its borders.
+// A rank holds elements at its borders that others write.
 void load_plasticity(Plasticity& plasticity, const Mesh& mesh, const io::File& file,
                      const std::string& group) {
-  const std::size_t total = file.extent(group + "/plastic/element")[0];
-  constexpr std::size_t at_once = rows_at_once / 16;  // a row has up to 48 numbers
-  for (std::size_t begin = 0; begin < total; begin += at_once) {
-    const std::size_t count = std::min(at_once, total - begin);
-    const auto names = file.read_rows<std::int64_t>(group + "/plastic/element", begin, count);
-    plasticity.list([&](const char* name, const char*, const char*, std::size_t width,
-                        std::vector<double>& values) {
-      const auto rows = file.read_rows<double>(group + "/" + name, begin, count);
-      for (std::size_t r = 0; r < count; ++r) {
-        const std::int64_t element = mesh.local_element(names[r]);
-        if (element < 0) continue;
-        const std::int64_t number = plasticity.number(static_cast<std::size_t>(element));
-        if (number < 0) continue;
-        std::copy_n(
-            rows.begin() + static_cast<std::ptrdiff_t>(r * width), width,
-            values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(number) * width));
-      }
-    });
-  }
+  std::vector<std::int64_t> names;
+  for (const std::size_t element : plasticity.elements()) names.push_back(mesh.element[element]);
+  const io::NamedRows rows(mesh.comm, file, group + "/plastic/element", names);
+  plasticity.list([&](const char* name, const char*, const char*, std::size_t width,
+                      std::vector<double>& values) {
+    const auto stored = rows.read(group + "/" + name, width);
+    std::copy(stored.begin(), stored.end(), values.begin());  // which may be padded
+  });
   plasticity.loaded();
 }
 
@@ -111,19 +96,8 @@ void save_extremes(const Extremes& extremes, const Mesh& mesh, io::File& file,
 
 void load_extremes(Extremes& extremes, const Mesh& mesh, const io::File& file,
                    const std::string& group) {
-  const std::size_t total = file.extent(group + "/extremes/element")[0];
-  for (std::size_t begin = 0; begin < total; begin += rows_at_once) {
-    const std::size_t count = std::min(rows_at_once, total - begin);
-    const auto names = file.read_rows<std::int64_t>(group + "/extremes/element", begin, count);
-    const auto rows = file.read_rows<double>(group + "/extremes/stress", begin, count);
-    for (std::size_t r = 0; r < count; ++r) {
-      const std::int64_t element = mesh.local_element(names[r]);
-      if (element < 0) continue;
-      for (std::size_t q = 0; q < Extremes::count; ++q)
-        extremes.values[static_cast<std::size_t>(element) * Extremes::count + q] =
-            rows[r * Extremes::count + q];
-    }
-  }
+  const io::NamedRows rows(mesh.comm, file, group + "/extremes/element", mesh.element);
+  extremes.values = rows.read(group + "/extremes/stress", Extremes::count);
 }
 
 }  // namespace
@@ -158,9 +132,6 @@ void Ground::save(io::File& file, const std::string& group) const {
   });
 }
 
-// Each rank reads all rows in blocks and keeps its own: memory is bounded. Sorting rows to their
-// owners first would read less per rank, but is not worthwhile until reading is measured to be
-// slow.
 void Ground::load(const io::File& file, const std::string& group) {
   Mesh& mesh = impl_->mesh;
   const auto components = static_cast<std::size_t>(impl_->components());
@@ -170,22 +141,18 @@ void Ground::load(const io::File& file, const std::string& group) {
         fmt::format("the ground in the checkpoint has {} nodes, but that of the deck has {}; give "
                     "the deck the ground with which the checkpoint was written",
                     total, mesh.node_count()));
-  for (std::size_t begin = 0; begin < total; begin += rows_at_once) {
-    const std::size_t count = std::min(rows_at_once, total - begin);
-    const auto names = file.read_rows<std::int64_t>(group + "/node", begin, count);
-    impl_->state.list([&](const char* name, const char*, const char*, Nodal& values) {
-      // An explicit run that continues with implicit steps has no earlier accelerations.
-      const bool guess = &values == &impl_->state.one_before || &values == &impl_->state.two_before;
-      if (guess && !file.has(group + "/" + name)) return;
-      const auto rows = file.read_rows<double>(group + "/" + name, begin, count);
-      for (std::size_t r = 0; r < count; ++r) {
-        const std::int32_t n = mesh.local_node(names[r]);
-        if (n < 0 || mesh.owned[static_cast<std::size_t>(n)] == 0) continue;
-        for (std::size_t c = 0; c < components; ++c)
-          values[static_cast<int>(c)][n] = rows[r * components + c];
-      }
-    });
-  }
+  std::vector<std::int64_t> names;
+  for (const std::int32_t n : mesh.own) names.push_back(mesh.node[static_cast<std::size_t>(n)]);
+  const io::NamedRows rows(mesh.comm, file, group + "/node", names);
+  impl_->state.list([&](const char* name, const char*, const char*, Nodal& values) {
+    // An explicit run that continues with implicit steps has no earlier accelerations.
+    const bool guess = &values == &impl_->state.one_before || &values == &impl_->state.two_before;
+    if (guess && !file.has(group + "/" + name)) return;
+    const auto numbers = rows.read(group + "/" + name, components);
+    for (std::size_t k = 0; k < mesh.own.size(); ++k)
+      for (std::size_t c = 0; c < components; ++c)
+        values[static_cast<int>(c)][mesh.own[k]] = numbers[k * components + c];
+  });
   // Ghost displacements are set by refresh_surface; the other arrays are used on own nodes only.
   for (Nodal* values : {&impl_->state.offset, &impl_->state.static_displacement})
     mesh.exchange(*values);

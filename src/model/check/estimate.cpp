@@ -222,7 +222,9 @@ std::vector<StageCost> costs_of_stages(World& world, const StageActions& actions
     double step_time = 0;
     for (const LayerForecast& layer : std::span(layers).first(filled))
       step_time += layer.step_time * static_cast<double>(trimmed ? layer.left : layer.made);
-    const StonesStep longest = poured.empty() ? step_of(world) : step_of(world.model, poured);
+    world.particles.set_stiffness(stage.stiffness);
+    const StonesStep longest =
+        poured.empty() ? step_of(world) : step_of(world.model.with_contacts_of(stage), poured);
     StageCost cost{.stage = &stage, .steps = choose_steps(world, longest, stage, deck)};
     cost.windows = actions.duration(stage) / cost.steps.window;
     cost.stones = step_time * cost.windows * cost.steps.substeps / world.comm.size();
@@ -233,6 +235,7 @@ std::vector<StageCost> costs_of_stages(World& world, const StageActions& actions
     }
     costs.push_back(cost);
   }
+  world.particles.set_stiffness(1);
   return costs;
 }
 

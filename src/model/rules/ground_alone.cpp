@@ -93,6 +93,7 @@ void declare_idle(const Model& model, input::Section& s) {
     idle(key + "until_ratio", stage.until_ratio != none.until_ratio);
     idle(key + "local_damping", stage.local_damping != none.local_damping);
     idle(key + "friction", stage.friction != none.friction);
+    idle(key + "stiffness", stage.stiffness != none.stiffness);
   }
   idle("output.surface_cell", model.output.surface_cell != Output().surface_cell);
 }

@@ -15,6 +15,7 @@
 #include "model/rules/limits.hpp"
 #include "model/rules/placed_rules.hpp"
 #include "model/rules/rules.hpp"
+#include "trackbed/dem/stiffness.hpp"
 #include "trackbed/observe/output_parts.hpp"
 
 namespace trackbed::model {
@@ -84,6 +85,11 @@ void Stage::declare_course(input::Section& s) {
            "densely; -1: that of the contact laws.");
   s.rule("friction", friction >= 0 || friction == -1,
          "must be at least 0, or -1 for the friction of the contact laws");
+  s.number(
+      "stiffness", stiffness, {.unit = "-", .at_least = 1e-4, .at_most = 1},
+      "Stiffness of all contacts during the stage over that of the contact laws (fill, settle, "
+      "cribs, lift_walls). Sub-steps become longer by its inverse root: a bed is poured with "
+      "0.01 in a tenth of the sub-steps. Bonds keep their stiffness.");
   s.number(
       "until_ratio", until_ratio, {.at_least = 0},
       "Ratio `unbalanced` (mean net force divided by mean contact force) below which the "
@@ -454,6 +460,12 @@ bool Model::has_solid_rails() const {
 bool Model::uses_sleepers() const {
   return has_stage(StageKind::sleepers) || has_stage(StageKind::cribs) ||
          has_stage(StageKind::load) || has_stage(StageKind::passage) || has_stage(StageKind::tamp);
+}
+
+Model Model::with_contacts_of(const Stage& stage) const {
+  Model present = *this;
+  present.physics = dem::with_stiffness(physics, stage.stiffness);
+  return present;
 }
 
 double Model::pressure_in(const Stage& stage) const {

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <tuple>
 
 #include "model/rules/rules.hpp"
@@ -80,6 +81,18 @@ void declare_order(const Model& model, input::Section& s) {
 
 }  // namespace
 
+namespace {
+
+// Whether nothing but gravity loads the stones. Under pressure soft contacts store energy that
+// throws them about once contacts are stiff again.
+bool is_unloaded(StageKind kind) {
+  using enum StageKind;
+  constexpr std::array kinds = {fill, settle, cribs, lift_walls};
+  return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+}
+
+}  // namespace
+
 // Parameters that only some kinds use, compared with their defaults.
 void declare_uses_of_stages(const Model& model, input::Section& s) {
   using enum StageKind;
@@ -110,6 +123,11 @@ void declare_uses_of_stages(const Model& model, input::Section& s) {
     only("load", stage.load != none.load, {load, jump}, "stages of kind load and jump");
     only("ramp", stage.ramp != none.ramp, {load, compact, shear, triaxial},
          "stages of kind load, compact, shear and triaxial");
+    const std::string stiffness = fmt::format("stage[{}].stiffness", i);
+    s.rule(stiffness, stage.stiffness == 1 || is_unloaded(stage.kind),
+           "must be 1 in stages in which the bed is loaded; softer contacts are for stages of kind "
+           "fill, settle, cribs and lift_walls, in which stones carry little more than themselves",
+           {.reads = {stiffness, fmt::format("stage[{}].kind", i)}});
     only("until_ratio", stage.until_ratio != none.until_ratio,
          {fill, settle, compact, release, sleepers, cribs, run, lift_walls, tamp},
          "all kinds of stages except load, passage, shear and triaxial");

@@ -216,6 +216,11 @@ bool StagedScheme::is_last_passage() const {
 bool StagedScheme::begin_stage() {
   const double time = run_.course.clock.time();
   if (!settle_ground()) return false;
+  if (const std::size_t stage = run_.course.stage; stage > 0)
+    if (const std::string warning =
+            warning_of_stiffening(world_, model_.stages[stage - 1], present());
+        !warning.empty())
+      run_.warn(warning);
   const std::string did = actions_.begin(present());
   const bool usual =
       model_.has_stage(StageKind::passage) ? is_last_passage() : run_.course.stage + 1 == stages();

@@ -146,10 +146,10 @@ void StagedScheme::resume(const io::File& file, const std::string& histories) {
   for (const StageRecord& record : run_.course.done) finished.push_back(record.name);
   results_.resume(histories, history_rows_in(file), finished);
   if (!run_.course.begun) return;
-  require_still_stable();
-  resume_extremes(file.has("ground/extremes/element"));
   // Settings of `begin` that are not part of the stored state.
   actions_.set_contacts(present());
+  require_still_stable();
+  resume_extremes(file.has("ground/extremes/element"));
   // The seat forces of the window before the checkpoint, as in an uninterrupted run: the next
   // history row contains them until the sleepers move again.
   const double mid_window =

@@ -26,6 +26,26 @@ std::int64_t flying(const World& world) {
   return count;
 }
 
+}  // namespace
+
+// The height to which the energy would lift the bed if nothing dissipated it.
+std::string warning_of_stiffening(World& world, const Stage& before, const Stage& stage) {
+  constexpr double noticeable = 1e-3;  // m, a fiftieth of a stone
+  if (!(stage.stiffness > before.stiffness)) return {};
+  world.particles.set_stiffness(stage.stiffness);
+  const dem::Totals totals = world.particles.totals();
+  const double weight = totals.mass * world.model.dem.gravity;
+  if (!(totals.elastic > noticeable * weight)) return {};
+  return fmt::format(
+      "stage {}: contacts become {:.3g} times as stiff while they overlap, and their energy of "
+      "{:.3g} J can lift all stones by {:.2g} mm (limit {:g} mm): the bed is thrown up; give stage "
+      "{} a larger stiffness",
+      stage.name, stage.stiffness / before.stiffness, totals.elastic, 1e3 * totals.elastic / weight,
+      1e3 * noticeable, before.name);
+}
+
+namespace {
+
 // The sleeper with the largest settlement since it was placed; all ranks have all sleepers.
 std::string warning_of_sleepers(const World& world) {
   if (!world.sleepers || !world.sleepers->placed()) return {};

@@ -100,6 +100,7 @@ std::string StageActions::begin(const Stage& stage) {
 void StageActions::set_contacts(const Stage& stage) {
   world_.particles.set_local_damping(stage.local_damping);
   world_.particles.set_friction(stage.friction);
+  world_.particles.set_stiffness(stage.stiffness);
   if (stage.kind == StageKind::jump) world_.particles.scale_friction(jump_.friction());
 }
 
