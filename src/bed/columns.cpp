@@ -67,23 +67,32 @@ std::int64_t wider(std::int64_t columns) { return std::max<std::int64_t>(1, colu
 // The highest top of this and all earlier balls states where the search may end.
 void Heap::add(const geom::Sphere& ball) {
   const double top = ball.centre.z() + ball.radius;
-  balls_.push_back(ball);
+  x_.push_back(ball.centre.x()), y_.push_back(ball.centre.y()), z_.push_back(ball.centre.z());
+  radius_.push_back(ball.radius);
   highest_.push_back(highest_.empty() ? top : std::max(top, highest_.back()));
 }
 
 // For two spheres in contact the distance of centres is r + R:
 //   (z - Z)^2 = (r + R)^2 - dx^2 - dy^2;   without a real root the spheres do not touch.
-// So z is at most Z + R + r. From the latest ball, which is near the top, to earlier ones.
-double Heap::height_on(double x, double y, double r) const {
+// So z is at most Z + R + r. From the latest ball, which is near the top, to earlier ones, several
+// at once: those beyond the end of the search do not change the maximum.
+double Heap::height_on(double x, double y, double r, double limit) const {
   constexpr double rounding = 1e-9;  // of a height
-  double z = r;
-  for (std::size_t i = balls_.size(); i-- > 0 && (highest_[i] + r) * (1 + rounding) > z;) {
-    const geom::Sphere& ball = balls_[i];
-    const double dx = x - ball.centre.x(), dy = y - ball.centre.y(), reach = r + ball.radius;
-    const double rise = reach * reach - dx * dx - dy * dy;
-    if (rise > 0) z = std::max(z, ball.centre.z() + std::sqrt(rise));
+  constexpr std::size_t at_once = 16;
+  double height = r;
+  for (std::size_t end = x_.size();
+       end > 0 && height < limit && (highest_[end - 1] + r) * (1 + rounding) > height;) {
+    const std::size_t begin = end > at_once ? end - at_once : 0;
+#pragma omp simd reduction(max : height)
+    for (std::size_t i = begin; i < end; ++i) {
+      const double dx = x - x_[i], dy = y - y_[i], reach = r + radius_[i];
+      const double rise = reach * reach - dx * dx - dy * dy;
+      const double on = z_[i] + std::sqrt(std::max(rise, 0.0));
+      height = std::max(height, rise > 0 ? on : 0.0);
+    }
+    end = begin;
   }
-  return z;
+  return height;
 }
 
 // A Feistel network permutes the numbers of 2 h bits; numbers beyond `count` are permuted again
@@ -183,7 +192,7 @@ Vec3 Columns::lowest(std::int64_t i, double clearance, const Heap& heap) const {
     double x = clearance + random(mix(seed_) + k, i, Use::x) * (size_.x() - 2 * clearance);
     double y = clearance + random(mix(seed_) + k, i, Use::y) * (size_.y() - 2 * clearance);
     if (clear_ > 0) std::tie(x, y) = in_circle(i, clearance, mix(seed_) + k);
-    const double z = heap.height_on(x, y, clearance);
+    const double z = heap.height_on(x, y, clearance, best.z());
     if (z < best.z()) best = {x, y, z};
   }
   return best;

@@ -16,12 +16,13 @@ namespace trackbed::bed {
 class Heap {
  public:
   void add(const geom::Sphere& ball);
-  // z at which a sphere of radius r, dropped at (x, y), touches those below it or the floor.
-  double height_on(double x, double y, double r) const;
+  // z at which a sphere of radius r, dropped at (x, y), touches those below it or the floor. If
+  // this is not below `limit`, any value that is not below it.
+  double height_on(double x, double y, double r, double limit) const;
 
  private:
-  std::vector<geom::Sphere> balls_;
-  std::vector<double> highest_;  // m, top of any ball up to this one
+  std::vector<double> x_, y_, z_, radius_;  // m
+  std::vector<double> highest_;             // m, top of any ball up to this one
 };
 
 // Keeps a reference to `mix`, which must outlive it. Local: every rank holds the same.

@@ -28,18 +28,8 @@ Bits affinity() {
   return bits;
 }
 
-}  // namespace
-
-int ranks_on_node(const Comm& comm) {
-  MPI_Comm node = MPI_COMM_NULL;
-  MPI_Comm_split_type(mpi(comm), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
-  int ranks = 1;
-  MPI_Comm_size(node, &ranks);
-  MPI_Comm_free(&node);
-  return ranks;
-}
-
-Processors processors_of(const Comm& comm) {
+// Of the node of this rank.
+Processors here(const Comm& comm) {
   MPI_Comm node = MPI_COMM_NULL;
   MPI_Comm_split_type(mpi(comm), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
   Bits bits = affinity();
@@ -49,8 +39,17 @@ Processors processors_of(const Comm& comm) {
   MPI_Comm_size(node, &here.ranks);
   MPI_Comm_free(&node);
   for (const std::uint64_t part : bits) here.processors += std::popcount(part);
-  Processors worst = here;
-  for (const Processors& other : comm.all_gather(std::span<const Processors>(&here, 1)))
+  return here;
+}
+
+}  // namespace
+
+int ranks_on_node(const Comm& comm) { return here(comm).ranks; }
+
+Processors processors_of(const Comm& comm) {
+  const Processors mine = here(comm);
+  Processors worst = mine;
+  for (const Processors& other : comm.all_gather(std::span<const Processors>(&mine, 1)))
     if (other.ranks * worst.processors > worst.ranks * other.processors) worst = other;
   return worst;
 }

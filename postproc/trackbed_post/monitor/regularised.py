@@ -8,6 +8,8 @@ others 2011, doi:10.1109/ICDCSW.2011.20), or such that the residual is the noise
 """
 import numpy as np
 
+from trackbed_post import read
+
 STRENGTHS = np.logspace(-6, 0, 61)  # over the largest singular value
 CRITERIA = ("gcv", "l_curve", "residual")
 METHODS = ("tikhonov", "truncated")
@@ -85,7 +87,12 @@ def chosen(criterion, curves, noise):
     if criterion == "gcv":
         return int(np.argmin(validation))
     if criterion == "residual":
-        return int(np.flatnonzero(residuals <= max(noise, residuals[0]))[-1])
+        if noise < residuals[0]:
+            raise read.Unreadable(
+                f'the criterion "residual" has no solution: the noise is {noise:.3g}, but the '
+                f'least residual of any strength is {residuals[0]:.3g}: speed, train or Green\'s '
+                'functions do not explain the record; choose the criterion gcv')
+        return int(np.flatnonzero(residuals <= noise)[-1])
     # The point of the L-curve that is farthest from the line between its ends.
     logs = [np.log(np.maximum(one, 1e-300)) for one in (residuals, norms)]
     return int(np.argmin(sum((one - one.min()) / max(np.ptp(one), 1e-300) for one in logs)))

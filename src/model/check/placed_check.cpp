@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "model/check/placed_begin.hpp"
+#include "model/check/probe.hpp"
 #include "model/scene/steps.hpp"
 #include "model/scene/world.hpp"
 #include "trackbed/core/error.hpp"
@@ -120,23 +120,18 @@ std::vector<std::string> estimate_placed(World& world, const input::Deck& deck) 
         steps.substeps > 1 ? "s" : "", steps.limit));
     windows += needs;
   }
-  constexpr int tried = 200;
-  const auto now = std::chrono::steady_clock::now;
-  const auto start = now();
-  for (int k = 0; k < tried; ++k) {
-    world.placement->update(k * steps.window, steps.window);
+  int done = 0;
+  const double time = measured_time_of(world.comm, [&] {
+    world.placement->update(done++ * steps.window, steps.window);
     world.coupler.publish();
     world.particles.advance(steps.window, steps.substeps);
-    const dem::SurfaceAction& did = world.particles.surface_action();
-    world.coupler.collect(steps.substeps, steps.window, {did.force, did.moment, did.work});
+    world.collect_loads(steps.window, steps.substeps);
     world.placement->watch(world.particles, world.forces_on(SurfaceId::Part::placed), steps.window);
-  }
-  const std::chrono::duration<double> took = now() - start;
-  lines.push_back(
-      fmt::format("estimated wall time on {} rank{}: {} (measured in {} windows; rows of the "
-                  "histories are not included)",
-                  world.comm.size(), world.comm.size() > 1 ? "s" : "",
-                  estimate_words(world.comm.max(took.count()) / tried * windows), tried));
+  });
+  lines.push_back(fmt::format(
+      "estimated wall time on {} rank{}: {} (measured in {} windows; rows of the "
+      "histories are not included)",
+      world.comm.size(), world.comm.size() > 1 ? "s" : "", estimate_words(time * windows), done));
   return lines;
 }
 

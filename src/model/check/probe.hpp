@@ -2,10 +2,16 @@
 // laid from a cell, and of the ground.
 #pragma once
 
+#include <functional>
+
 #include "model/scene/world.hpp"
 #include "trackbed/model/course.hpp"
 
 namespace trackbed::model {
+
+// s of wall time of a window, the mean of several; the first one, which is not counted, sets up
+// neighbour lists or matrices. Collective.
+double measured_time_of(const par::Comm& comm, const std::function<void()>& window);
 
 // s of wall time of a window of the stones and of the coupler, in the bed as it is now. Moves the
 // stones. Throws RunError if they cannot be computed. Collective.

@@ -150,9 +150,14 @@ void World::place_stones() {
   register_surfaces();
   coupler.publish();
   particles.advance(instant, 1);
-  const dem::SurfaceAction& did = particles.surface_action();
-  coupler.collect(1, instant, {did.force, did.moment, did.work});
+  collect_loads(instant, 1);
   placement->begin(particles, forces_on(SurfaceId::Part::placed));
+}
+
+void World::collect_loads(double dt, int substeps) {
+  const dem::SurfaceAction& did = particles.surface_action();
+  coupler.collect(substeps, dt, {did.force, did.moment, did.work});
+  particles.expect_load(coupler.largest_load());
 }
 
 void World::expect_weight(int substeps) {

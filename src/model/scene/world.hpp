@@ -68,6 +68,10 @@ struct World {
   std::vector<Vec3> forces_on(SurfaceId::Part part) const;
   SurfaceId wall(const std::string& name) const;  // may be removed, or not built yet
 
+  // Collects the loads on surfaces of a window of `dt` s that the stones have just advanced by, and
+  // compares them with their action. Collective.
+  void collect_loads(double dt, int substeps);
+
   observe::Scene scene();
   std::vector<observe::WallState> wall_states() const;  // tines count as walls
   observe::PlatenState platen_state() const;            // zero without one

@@ -157,9 +157,7 @@ void StagedScheme::move_stones(double dt) {
     world_.particles.advance(dt, run_.course.steps.substeps);
   }
   const auto timing = run_.timers.scope(Phase::coupling);
-  const dem::SurfaceAction& did = world_.particles.surface_action();
-  world_.coupler.collect(run_.course.steps.substeps, dt, {did.force, did.moment, did.work});
-  world_.particles.expect_load(world_.coupler.largest_load());
+  world_.collect_loads(dt, run_.course.steps.substeps);
 }
 
 // Exponential mean, which costs one number per node and needs no history:
