@@ -38,7 +38,8 @@ std::string warning_of_stiffening(World& world, const Stage& before, const Stage
   if (!(totals.elastic > noticeable * weight)) return {};
   return fmt::format(
       "stage {}: contacts become {:.3g} times as stiff while they overlap, and their energy of "
-      "{:.3g} J can lift all stones by {:.2g} mm (limit {:g} mm): the bed is thrown up; give stage "
+      "{:.3g} J can lift all stones by {:.2g} mm (limit {:g} mm): stones are launched upwards; "
+      "give stage "
       "{} a larger stiffness",
       stage.name, stage.stiffness / before.stiffness, totals.elastic, 1e3 * totals.elastic / weight,
       1e3 * noticeable, before.name);
