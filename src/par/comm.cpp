@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <mpi.h>
 
+#include <algorithm>
 #include <climits>
 #include <cstdlib>
 
@@ -109,31 +110,41 @@ std::vector<std::byte> Comm::all_gather_bytes(std::span<const std::byte> mine) c
 }
 
 // Any rank may send to any. The result is in the order of ranks, whatever the order of arrival.
+// A message may be longer than MPI's counts: it is sent in parts, which arrive in order.
 std::vector<std::vector<std::byte>> Comm::exchange_bytes(
     const std::vector<std::span<const std::byte>>& out) const {
-  const auto ranks = static_cast<std::size_t>(size_);
+  const auto ranks = static_cast<std::size_t>(size_), self = static_cast<std::size_t>(rank_);
   require(out.size() == ranks, "exchange needs one list per rank");
-  std::vector<int> send_counts(ranks), receive_counts(ranks);
-  for (std::size_t r = 0; r < ranks; ++r) send_counts[r] = checked_int(out[r].size());
+  std::vector<std::int64_t> send_counts(ranks), receive_counts(ranks);
+  for (std::size_t r = 0; r < ranks; ++r)
+    send_counts[r] = r == self ? 0 : static_cast<std::int64_t>(out[r].size());
   // Only the counts go to every rank; after that only ranks with data for each other exchange
   // messages. With neighbours in space these are a handful of messages instead of ranks^2, over
   // which an MPI_Alltoallv would loop.
-  MPI_Alltoall(send_counts.data(), 1, MPI_INT, receive_counts.data(), 1, MPI_INT, mpi(*this));
+  MPI_Alltoall(send_counts.data(), 1, MPI_INT64_T, receive_counts.data(), 1, MPI_INT64_T,
+               mpi(*this));
   std::vector<std::vector<std::byte>> in(ranks);
   std::vector<MPI_Request> requests;
+  constexpr std::size_t longest = std::size_t{1} << 30;  // bytes of a part
+  const auto for_parts = [&](std::size_t size, auto&& visit) {
+    for (std::size_t begin = 0; begin < size; begin += longest)
+      visit(begin, static_cast<int>(std::min(longest, size - begin)));
+  };
   // Halo uses another tag: its messages may be in transit at the same time.
   constexpr int tag = 71;
   // Receives are posted before any send, so that no message has to wait in a buffer of MPI.
   for (std::size_t r = 0; r < ranks; ++r) {
     in[r].resize(static_cast<std::size_t>(receive_counts[r]));
-    if (receive_counts[r] > 0)
-      MPI_Irecv(in[r].data(), receive_counts[r], MPI_BYTE, static_cast<int>(r), tag, mpi(*this),
+    for_parts(in[r].size(), [&](std::size_t begin, int count) {
+      MPI_Irecv(in[r].data() + begin, count, MPI_BYTE, static_cast<int>(r), tag, mpi(*this),
                 &requests.emplace_back());
+    });
   }
   for (std::size_t r = 0; r < ranks; ++r)
-    if (send_counts[r] > 0)
-      MPI_Isend(out[r].data(), send_counts[r], MPI_BYTE, static_cast<int>(r), tag, mpi(*this),
+    for_parts(static_cast<std::size_t>(send_counts[r]), [&](std::size_t begin, int count) {
+      MPI_Isend(out[r].data() + begin, count, MPI_BYTE, static_cast<int>(r), tag, mpi(*this),
                 &requests.emplace_back());
+    });
   MPI_Waitall(checked_int(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
   return in;
 }

@@ -29,7 +29,7 @@ Bits affinity() {
 }
 
 // Of the node of this rank.
-Processors here(const Comm& comm) {
+Processors on_node(const Comm& comm) {
   MPI_Comm node = MPI_COMM_NULL;
   MPI_Comm_split_type(mpi(comm), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
   Bits bits = affinity();
@@ -44,10 +44,10 @@ Processors here(const Comm& comm) {
 
 }  // namespace
 
-int ranks_on_node(const Comm& comm) { return here(comm).ranks; }
+int ranks_on_node(const Comm& comm) { return on_node(comm).ranks; }
 
 Processors processors_of(const Comm& comm) {
-  const Processors mine = here(comm);
+  const Processors mine = on_node(comm);
   Processors worst = mine;
   for (const Processors& other : comm.all_gather(std::span<const Processors>(&mine, 1)))
     if (other.ranks * worst.processors > worst.ranks * other.processors) worst = other;

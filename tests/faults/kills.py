@@ -4,10 +4,12 @@
     kills.py PROGRAM SOURCE FOLDER [--kills N] [--seed S]
 
 Each trial starts a run with `--or-resume` on 1 to 4 ranks, kills one rank, mpirun or all of them
-with SIGKILL after a random time, and starts it again on another number of ranks, until it has been
-killed five times; then it may finish. Histories and state must be bitwise those of an undisturbed
-run. Checkpoints are written all the time, so that many kills hit one that is being written. The
-exit code is 1 if there are findings, whose folders are kept.
+with SIGKILL after a random time, or ends mpirun with SIGTERM as a queue does, and starts it again
+on another number of ranks, until it has been killed five times; then it may finish. Histories and
+state must be bitwise those of an undisturbed run. With implicit steps of the ground the bits depend
+on the number of ranks: these runs have two. Checkpoints are written all the time, so that many
+kills hit one that is being written. The exit code is 1 if there are findings, whose folders are
+kept.
 """
 import argparse
 import collections
@@ -21,9 +23,12 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from damaged import RUNS, chosen, difference  # noqa: E402
+from damaged import RUNS, difference  # noqa: E402
 from program import Program  # noqa: E402
 
+# Name, deck, overrides, and the least and largest number of ranks.
+KILLED = [(name, deck, words, (1, 4)) for name, deck, words, _ in RUNS]
+KILLED += [("implicit", "tests/restart/tiny.toml", ("ground.integrator=newmark",), (2, 2))]
 OFTEN = ("output.checkpoint_wall_interval=0.05",)
 KILLS_OF_A_RUN = 5
 LONGEST = 4.0  # s, from the start of a run to its kill; it takes about 0.5 s to begin
@@ -49,9 +54,13 @@ def ranks_of(process, program):
 def kill(process, program, chance):
     """What was killed."""
     ranks = ranks_of(process, program)
-    target = chance.choice(("rank", "mpirun", "all"))
-    if not ranks or ranks == [process.pid]:
+    target = chance.choice(("rank", "mpirun", "all", "queue"))
+    if target != "queue" and (not ranks or ranks == [process.pid]):
         target = "all"
+    if target == "queue":
+        process.send_signal(signal.SIGTERM)
+        process.wait(PATIENCE)
+        return target
     victims = {"rank": ranks and [chance.choice(ranks)], "mpirun": [process.pid],
                "all": [*ranks, process.pid]}[target]
     for pid in victims:
@@ -67,17 +76,22 @@ def kill(process, program, chance):
     return target
 
 
+def chosen(names):
+    """The runs with these names; without names all."""
+    return [run for run in KILLED if not names or run[0] in names]
+
+
 class Trial:
     def __init__(self, given, number):
         self.program, self.chance = Program(given.program), random.Random(f"{given.seed} {number}")
         source, folder = given.source, given.folder
-        self.name, deck, words, _ = self.chance.choice(chosen(given.runs))
+        self.name, deck, words, self.ranks = self.chance.choice(chosen(given.runs))
         self.place, self.whole = folder / f"trial_{number}", folder / "whole" / self.name
         self.command = ["run", source / deck, *words, *OFTEN, "--or-resume", "-o", self.place]
         self.killed = collections.Counter()
 
     def start(self):
-        ranks = self.chance.randint(1, 4)
+        ranks = self.chance.randint(*self.ranks)
         return subprocess.Popen(self.program.command(ranks, *self.command),
                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                 stdin=subprocess.DEVNULL, start_new_session=True)
@@ -94,7 +108,7 @@ class Trial:
             if code:
                 return f"a run ends with {code}"
             break
-        ran = self.program(self.chance.randint(1, 4), *self.command, timeout=PATIENCE)
+        ran = self.program(self.chance.randint(*self.ranks), *self.command, timeout=PATIENCE)
         if ran.returncode:
             return f"the last run ends with {ran.returncode}: {ran.stderr[-500:]}"
         return difference(self.whole, self.place)
@@ -107,12 +121,12 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--runs", nargs="+", default=[], choices=[run[0] for run in RUNS])
+    parser.add_argument("--runs", nargs="+", default=[], choices=[run[0] for run in KILLED])
     given = parser.parse_args()
     shutil.rmtree(given.folder, ignore_errors=True)
     given.folder.mkdir(parents=True)
-    for name, deck, words, _ in chosen(given.runs):
-        Program(given.program).done(1, "run", given.source / deck, *words, "-o",
+    for name, deck, words, ranks in chosen(given.runs):
+        Program(given.program).done(ranks[0], "run", given.source / deck, *words, "-o",
                                     given.folder / "whole" / name)
     killed, runs, findings, number = collections.Counter(), collections.Counter(), 0, 0
     most = given.kills + 5  # trials: a run may end before it is killed

@@ -118,8 +118,10 @@ def test_unknown_choices_are_refused(passage):
     for choices in ({"method": "ridge"}, {"criterion": "aic"}):
         with pytest.raises(read.Unreadable, match="these are"):
             identified(passage, **choices)
-    with pytest.raises(read.Unreadable, match="the least residual of any strength is"):
+    with pytest.raises(read.Unreadable, match="the least residual of any strength"):
         identified(passage, 3e-3, criterion="residual", noise=1e-6)
+    with pytest.raises(read.Unreadable, match="needs the noise"):
+        identified(passage, 3e-3, criterion="residual")
     with pytest.raises(read.Unreadable, match="begins or ends while"):
         inverse.Problem(passage.acceleration[:2800], passage.kernel, SPEED, passage.start)
     alone = dataclasses.replace(passage.kernel, wheels=None)

@@ -39,6 +39,8 @@ TAMP = "stage.passage.kind=tamp stage.passage.duration=0"
 JUMP = ("stage.passage.kind=jump stage.passage.cycles=9 stage.passage.load=2e3 jump.from=load "
         "jump.cycles=4 stage.load.settlement=0 stage.passage.duration=0.2")
 REFUSED = {"bed.material=ballst": "did you mean ballast?",
+           "stage.compact.stiffness=0.1": "must be 1: softer contacts are for stages of kind fill",
+           "stage.cribs.stiffness=0.1": "must be 1: softer contacts are for stages of kind fill",
            "wall_material=wood": "there are ballast, sleeper",
            "ground_material=wood": "there are ballast, sleeper",
            "contact.1.first=sleeper": "no [[contact]] gives a law",
@@ -234,6 +236,7 @@ WARNED = {"jump.cycles=9": "has no effect: no stage is of kind jump",
               "ends the stage before the train is on the bed: the first axle reaches 2 m from",
           f"{TRAIN} passage.points=[1]": "has no effect on a bed: the histories contain the rail",
           f"{TRAIN} passage.duration=1": "has no effect on a bed: use the duration",
+          "stage.fill.stiffness=0.1 time.step=1e-5": "makes no sub-step longer",
           "dem.gravity=9810": "usual values (at most 100 m/s2)",
           "contact.0.friction=60": "usual values (at most 2)",
           "stage.sleepers.height=0.01": "less than the size of the largest stone (0.063 m)"}
@@ -396,7 +399,7 @@ def check_warnings(program, deck, folder):
               ["without reaching its aim", "the compacted bed has"]),
              (deck, ("stage.fill.stiffness=0.01", "stage.fill.duration=0.2",
                      "dem.largest_overlap=9"),
-              ["stage compact: contacts become 100 times as stiff while they overlap"]),
+              ["stage fill: contacts become 100 times as stiff at its end while they overlap"]),
              (falling, fast, ["faster than 3 m/s or above the walls at the end"]),
              (deck, dropped, ["ballast: the ballast below this sleeper has failed"])]
     for number, (of, changes, wanted) in enumerate(cases):

@@ -189,7 +189,6 @@ struct Model {
   dem::Domain domain() const;
   bed::Container container() const;
   double pressure_in(const Stage& stage) const;  // Pa, of the platen
-  Model with_contacts_of(const Stage& stage) const;
   // Numbers of the stages with which breakage begins and bonds are made, or of all stages.
   std::size_t breaks_from() const;
   std::size_t bonds_from(std::size_t kind) const;

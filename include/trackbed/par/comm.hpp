@@ -49,8 +49,8 @@ class Comm {
     const std::vector<std::byte> bytes = all_gather_bytes(std::as_bytes(mine));
     return from_bytes<T>(bytes);
   }
-  // Item lists for each rank in `out` (size() of them); returns the lists that the other ranks
-  // sent.
+  // Item lists for each rank in `out` (size() of them); returns the lists that all ranks sent to
+  // this one, its own among them.
   template <class T>
   std::vector<std::vector<T>> exchange(const std::vector<std::vector<T>>& out) const {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -58,6 +58,8 @@ class Comm {
     for (const auto& list : out) spans.push_back(std::as_bytes(std::span(list)));
     std::vector<std::vector<T>> in;
     for (const auto& bytes : exchange_bytes(spans)) in.push_back(from_bytes<T>(bytes));
+    const auto self = static_cast<std::size_t>(rank_);
+    in[self] = out[self];
     return in;
   }
   std::string broadcast(const std::string& text) const;  // rank 0's text
@@ -73,7 +75,7 @@ class Comm {
  private:
   explicit Comm(std::shared_ptr<void> handle);
   std::vector<std::byte> all_gather_bytes(std::span<const std::byte> mine) const;
-  std::vector<std::vector<std::byte>> exchange_bytes(
+  std::vector<std::vector<std::byte>> exchange_bytes(  // without the list for this rank
       const std::vector<std::span<const std::byte>>& out) const;
   template <class T>
   static std::vector<T> from_bytes(std::span<const std::byte> bytes) {

@@ -87,11 +87,14 @@ def chosen(criterion, curves, noise):
     if criterion == "gcv":
         return int(np.argmin(validation))
     if criterion == "residual":
+        if not noise > 0:
+            raise read.Unreadable('the criterion "residual" needs the noise of a sample')
         if noise < residuals[0]:
             raise read.Unreadable(
-                f'the criterion "residual" has no solution: the noise is {noise:.3g}, but the '
-                f'least residual of any strength is {residuals[0]:.3g}: speed, train or Green\'s '
-                'functions do not explain the record; choose the criterion gcv')
+                f'the criterion "residual" has no solution: the noise is {noise:.3g}, the least '
+                f'residual of any strength {residuals[0]:.3g}, in the unit of the record: the '
+                "noise is larger than stated, or speed, train or Green's functions are others; "
+                'choose the criterion "gcv"')
         return int(np.flatnonzero(residuals <= noise)[-1])
     # The point of the L-curve that is farthest from the line between its ends.
     logs = [np.log(np.maximum(one, 1e-300)) for one in (residuals, norms)]

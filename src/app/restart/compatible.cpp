@@ -192,6 +192,19 @@ bool require_same_model(const par::Comm& comm, const io::File& checkpoint, const
   return same;
 }
 
+namespace {
+
+// The value of a parameter of the stage in which the checkpoint was written.
+std::string value_of_stage(const io::File& checkpoint, const Values& then, const char* name) {
+  const std::string stage = fmt::format("\"{}\"", checkpoint.text_attribute("/", "stage"));
+  for (const auto& [key, value] : then)
+    if (key.starts_with("stage[") && key.ends_with("].name") && value == stage)
+      return value_of(then, key.substr(0, key.rfind('.') + 1) + name);
+  return {};
+}
+
+}  // namespace
+
 std::vector<std::string> changed_springs(const io::File& checkpoint, const std::string& path,
                                          const std::string& effective, const input::Deck& deck) {
   const Values then = values_of(checkpoint.text_attribute("/", "deck"));
@@ -209,6 +222,13 @@ std::vector<std::string> changed_springs(const io::File& checkpoint, const std::
                     "the stones settle with high damping (stage.local_damping)",
                     deck.where(key), value, before->second, path));
   }
+  if (const std::string soft = value_of_stage(checkpoint, then, "stiffness");
+      !soft.empty() && soft != "1.0")
+    sentences.push_back(
+        fmt::format("{} was written in a stage with stiffness = {}: the stored overlaps of the "
+                    "stones are in equilibrium with softer contacts, so that the contact forces "
+                    "jump at the start; take the state of a later stage",
+                    path, soft));
   return sentences;
 }
 

@@ -29,7 +29,8 @@ Values stored_values(const io::File& checkpoint, const Values& now);
 std::size_t stage_after(const io::File& checkpoint, const std::string& path,
                         const model::Model& model, const input::Deck& deck);
 
-// A sentence for each contact law whose stiffness differs from that of the stored equilibrium:
+// A sentence for each contact law whose stiffness differs from that of the stored equilibrium, and
+// one for all if the checkpoint was written in a stage with softer contacts:
 // overlaps are kept, so that forces and energies jump.
 std::vector<std::string> changed_springs(const io::File& checkpoint, const std::string& path,
                                          const std::string& effective, const input::Deck& deck);

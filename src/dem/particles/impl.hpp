@@ -184,9 +184,11 @@ struct Particles::Impl {
   void load_bonds(const io::File& file, const std::string& group);
   // Whether attitudes are followed: those of balls matter to bonds alone.
   bool turns() const { return !shapes.only_spheres() || bonding.any; }
+  std::string not_a_number(std::size_t b) const;  // problem of an own particle, or empty
   void choose_quantum();
-  // N/m of the stiffest law; hertz: at the largest overlap allowed on a particle of this radius
-  // (m).
+  // N/m of the stiffest law as declared, whatever `set_stiffness` made of it, so that the range of
+  // sums is the same after a restart; hertz: at the largest overlap allowed on a particle of this
+  // radius (m).
   double stiffest_contact(double radius) const;
   void find_at_border();
   void store_reference();

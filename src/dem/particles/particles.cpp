@@ -282,6 +282,12 @@ std::int64_t Particles::core_overlaps() const {
   return impl_->comm.sum(impl_->stone_contacts.deep());
 }
 
+std::string Particles::not_a_number() const {
+  std::string words;
+  for (std::size_t b = 0; b < impl_->state.own && words.empty(); ++b)
+    words = impl_->not_a_number(b);
+  return words;
+}
 std::string Particles::trouble() { return std::exchange(impl_->trouble, {}); }
 void Particles::set_local_damping(double alpha) { impl_->local_damping = alpha; }
 void Particles::set_friction(double mu) { impl_->laws.override_friction(mu); }
@@ -290,7 +296,7 @@ void Particles::set_stiffness(double fraction) {
   Impl& r = *impl_;
   r.physics = with_stiffness(r.declared, fraction);
   r.laws.set_stiffness(r.physics);
-  r.choose_quantum();
+  r.store_near_pairs(), r.near_valid = false;  // they contain limits of overlaps
 }
 
 // Positions and histories are kept: the springs stay loaded.

@@ -88,6 +88,14 @@ void Particles::Impl::sort_own() {
   pick(state, order);
 }
 
+std::string Particles::Impl::not_a_number(std::size_t b) const {
+  if (state.x[b].vec3().allFinite() && quat(state.q[b]).coeffs().allFinite()) return {};
+  return fmt::format(
+      "the position or attitude of particle {} is not a number; use a smaller "
+      "time.step or dem.safety",
+      state.id[b]);
+}
+
 // Sends particles that left the rank's cells, each with the history of all its contacts.
 // Collective. A lost particle is reported and kept until the ranks stop together at the end of the
 // window; without a valid position it stays on its rank.
@@ -99,11 +107,8 @@ void Particles::Impl::migrate(std::vector<History>& history) {
   std::vector<std::size_t> staying;
   for (std::size_t b = 0; b < state.own; ++b) {
     const Vec3 at = state.x[b].vec3();
-    if (!at.allFinite() || !quat(state.q[b]).coeffs().allFinite())
-      report(
-          fmt::format("the position or attitude of particle {} is not a number; use a smaller "
-                      "time.step or dem.safety",
-                      state.id[b]));
+    if (const std::string words = not_a_number(b); !words.empty())
+      report(words);
     else if (grid.outside(at))
       report(
           fmt::format("particle {} left the domain at ({:.6g}, {:.6g}, {:.6g}) m; the domain "
@@ -286,7 +291,7 @@ std::size_t Particles::Impl::bytes_of_ghost() const {
 }
 
 double Particles::Impl::stiffest_contact(double radius) const {
-  return dem::stiffest_contact(physics, radius, parameters.largest_overlap);
+  return dem::stiffest_contact(declared, radius, parameters.largest_overlap);
 }
 
 // Range for the force of the largest overlap allowed on a node, with a factor of eight (ExactSum),

@@ -41,9 +41,7 @@ std::vector<Record> delivered(const par::Comm& comm, std::span<const Id> held,
       if (to[0] >= 0) out[static_cast<std::size_t>(to[0])].push_back(record);
       if (to[1] >= 0 && to[1] != to[0]) out[static_cast<std::size_t>(to[1])].push_back(record);
     }
-    // The rank's own list is not sent: one rank alone may have more than a message can hold.
     std::vector<Record> in;
-    in.swap(out[static_cast<std::size_t>(comm.rank())]);
     for (const auto& list : comm.exchange(out)) in.insert(in.end(), list.begin(), list.end());
     return in;
   };

@@ -9,7 +9,7 @@
 
 #include "fem/ground/impl.hpp"
 #include "trackbed/core/error.hpp"
-#include "trackbed/io/named_rows.hpp"
+#include "trackbed/io/numbered_rows.hpp"
 
 namespace trackbed::fem {
 
@@ -67,7 +67,7 @@ void load_plasticity(Plasticity& plasticity, const Mesh& mesh, const io::File& f
                      const std::string& group) {
   std::vector<std::int64_t> names;
   for (const std::size_t element : plasticity.elements()) names.push_back(mesh.element[element]);
-  const io::NamedRows rows(mesh.comm, file, group + "/plastic/element", names);
+  const io::NumberedRows rows(mesh.comm, file, group + "/plastic/element", names);
   plasticity.list([&](const char* name, const char*, const char*, std::size_t width,
                       std::vector<double>& values) {
     const auto stored = rows.read(group + "/" + name, width);
@@ -96,7 +96,7 @@ void save_extremes(const Extremes& extremes, const Mesh& mesh, io::File& file,
 
 void load_extremes(Extremes& extremes, const Mesh& mesh, const io::File& file,
                    const std::string& group) {
-  const io::NamedRows rows(mesh.comm, file, group + "/extremes/element", mesh.element);
+  const io::NumberedRows rows(mesh.comm, file, group + "/extremes/element", mesh.element);
   extremes.values = rows.read(group + "/extremes/stress", Extremes::count);
 }
 
@@ -143,7 +143,7 @@ void Ground::load(const io::File& file, const std::string& group) {
                     total, mesh.node_count()));
   std::vector<std::int64_t> names;
   for (const std::int32_t n : mesh.own) names.push_back(mesh.node[static_cast<std::size_t>(n)]);
-  const io::NamedRows rows(mesh.comm, file, group + "/node", names);
+  const io::NumberedRows rows(mesh.comm, file, group + "/node", names);
   impl_->state.list([&](const char* name, const char*, const char*, Nodal& values) {
     // An explicit run that continues with implicit steps has no earlier accelerations.
     const bool guess = &values == &impl_->state.one_before || &values == &impl_->state.two_before;

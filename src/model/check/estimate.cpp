@@ -222,9 +222,8 @@ std::vector<StageCost> costs_of_stages(World& world, const StageActions& actions
     double step_time = 0;
     for (const LayerForecast& layer : std::span(layers).first(filled))
       step_time += layer.step_time * static_cast<double>(trimmed ? layer.left : layer.made);
-    world.particles.set_stiffness(stage.stiffness);
     const StonesStep longest =
-        poured.empty() ? step_of(world) : step_of(world.model.with_contacts_of(stage), poured);
+        poured.empty() ? step_of(world) : step_of(world.model, poured, stage.stiffness);
     StageCost cost{.stage = &stage, .steps = choose_steps(world, longest, stage, deck)};
     cost.windows = actions.duration(stage) / cost.steps.window;
     cost.stones = step_time * cost.windows * cost.steps.substeps / world.comm.size();
@@ -235,7 +234,6 @@ std::vector<StageCost> costs_of_stages(World& world, const StageActions& actions
     }
     costs.push_back(cost);
   }
-  world.particles.set_stiffness(1);
   return costs;
 }
 

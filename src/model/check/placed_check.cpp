@@ -120,18 +120,18 @@ std::vector<std::string> estimate_placed(World& world, const input::Deck& deck) 
         steps.substeps > 1 ? "s" : "", steps.limit));
     windows += needs;
   }
-  int done = 0;
+  int begun = 0;
   const double time = measured_time_of(world.comm, [&] {
-    world.placement->update(done++ * steps.window, steps.window);
+    world.placement->update(begun++ * steps.window, steps.window);
     world.coupler.publish();
     world.particles.advance(steps.window, steps.substeps);
     world.collect_loads(steps.window, steps.substeps);
     world.placement->watch(world.particles, world.forces_on(SurfaceId::Part::placed), steps.window);
   });
   lines.push_back(fmt::format(
-      "estimated wall time on {} rank{}: {} (measured in {} windows; rows of the "
-      "histories are not included)",
-      world.comm.size(), world.comm.size() > 1 ? "s" : "", estimate_words(time * windows), done));
+      "estimated wall time on {} rank{}: {} (measured in some windows; rows of "
+      "the histories are not included)",
+      world.comm.size(), world.comm.size() > 1 ? "s" : "", estimate_words(time * windows)));
   return lines;
 }
 

@@ -244,7 +244,8 @@ double least_damping_of_ground(const Model& model, const fem::Elastic& solid, Mo
 // rates, 1/s, add up. k and c are those of the pads of all rails that a sleeper carries. Solid
 // sleepers take one implicit step with pads and rail, which is stable for any window.
 CouplingLimit coupling_limit(const Model& model, const Stage& stage) {
-  const CouplingLimit limit = coupling_limit(model.with_contacts_of(stage), stage.ground_moves);
+  CouplingLimit limit = coupling_limit(model, stage.ground_moves);
+  limit.stiffness *= stage.stiffness, limit.window /= std::sqrt(stage.stiffness);
   if (!stage.train) return limit;
   if (model.sleepers.model == track::SleeperBody::solid)
     return limit.window <= model.track.passage.step

@@ -139,6 +139,8 @@ void declare_stages_of_placed(const Model& model, input::Section& s) {
     s.rule(key + "kind", stage.kind == StageKind::run || stage.kind == StageKind::settle,
            "must be \"run\" or \"settle\": models of placed stones have no bed and no sleepers",
            {.reads = {key + "kind"}});
+    s.rule(key + "stiffness", stage.stiffness == 1, "must be 1: it is for beds that are poured",
+           {.reads = {key + "stiffness"}});
     s.rule(key + "ground_moves", !stage.ground_moves, "must be false: there is no ground",
            {.reads = {key + "ground_moves"}});
   }

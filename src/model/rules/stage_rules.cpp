@@ -7,7 +7,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <tuple>
 
 #include "model/rules/rules.hpp"
@@ -79,16 +78,23 @@ void declare_order(const Model& model, input::Section& s) {
   }
 }
 
-}  // namespace
-
-namespace {
-
-// Whether nothing but gravity loads the stones. Under pressure soft contacts store energy that
-// throws them about once contacts are stiff again.
-bool is_unloaded(StageKind kind) {
-  using enum StageKind;
-  constexpr std::array kinds = {fill, settle, cribs, lift_walls};
-  return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+// Softer contacts are for stones that carry little more than themselves. In a bed that has been
+// loaded, stresses stay; stones that become soft settle into another packing, and stones that
+// become stiff are launched.
+void declare_stiffness(const Model& model, input::Section& s) {
+  bool only_poured = model.has_bed() && model.start.empty() && model.bed.cell.empty();
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const Stage& stage = model.stages[i];
+    const std::string key = fmt::format("stage[{}].stiffness", i);
+    only_poured = only_poured && (stage.kind == StageKind::fill || stage.kind == StageKind::settle);
+    s.rule(key, stage.stiffness == 1 || (only_poured && !stage.ground_moves),
+           "must be 1: softer contacts are for stages of kind fill and settle of a bed that has "
+           "not been loaded yet, without `start` and bed.cell, above ground that does not move",
+           {.reads = {key, "stage", "start", "bed.cell"}});
+    s.rule(key, stage.stiffness == 1 || model.time.step == 0,
+           "makes no sub-step longer, since time.step is given; leave time.step out",
+           {.severity = input::Severity::warning, .reads = {key, "time.step"}});
+  }
 }
 
 }  // namespace
@@ -123,11 +129,6 @@ void declare_uses_of_stages(const Model& model, input::Section& s) {
     only("load", stage.load != none.load, {load, jump}, "stages of kind load and jump");
     only("ramp", stage.ramp != none.ramp, {load, compact, shear, triaxial},
          "stages of kind load, compact, shear and triaxial");
-    const std::string stiffness = fmt::format("stage[{}].stiffness", i);
-    s.rule(stiffness, stage.stiffness == 1 || is_unloaded(stage.kind),
-           "must be 1 in stages in which the bed is loaded; softer contacts are for stages of kind "
-           "fill, settle, cribs and lift_walls, in which stones carry little more than themselves",
-           {.reads = {stiffness, fmt::format("stage[{}].kind", i)}});
     only("until_ratio", stage.until_ratio != none.until_ratio,
          {fill, settle, compact, release, sleepers, cribs, run, lift_walls, tamp},
          "all kinds of stages except load, passage, shear and triaxial");
@@ -289,6 +290,7 @@ void declare_stages(const Model& model, input::Section& s) {
          "the first stage must be of kind fill, or `start` must name a checkpoint",
          {.reads = {"stage", "start"}});
   declare_order(model, s);
+  declare_stiffness(model, s);
   declare_uses_of_stages(model, s);
   declare_heights(model, s);
   const bool any = model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::load) ||

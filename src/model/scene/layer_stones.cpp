@@ -130,7 +130,7 @@ std::vector<std::string> warnings_of(const Model& model, const StonesOfLayers& l
   return all;
 }
 
-StonesStep step_of(const Model& model, const StonesOfLayers& layers) {
+StonesStep step_of(const Model& model, const StonesOfLayers& layers, double stiffness) {
   const double thickness = model.dimension == Dimension::plane ? model.thickness : 1;
   double lightest = std::numeric_limits<double>::infinity(), largest = 0;
   for (const auto& [layer, stones] : layers) {
@@ -144,7 +144,8 @@ StonesStep step_of(const Model& model, const StonesOfLayers& layers) {
         lightest,
         least_fragment(breakage, model.physics.materials[static_cast<std::size_t>(number)]));
   StonesStep step;
-  step.longest = dem::stable_step(model.physics, model.dem, lightest, largest, &step.limit);
+  step.longest = dem::stable_step(dem::with_stiffness(model.physics, stiffness), model.dem,
+                                  lightest, largest, &step.limit);
   return step;
 }
 

@@ -12,7 +12,7 @@
 
 namespace trackbed::model {
 
-// Of all layers together.
-StonesStep step_of(const Model& model, const StonesOfLayers& layers);
+// Of all layers together, with this fraction of the stiffness of contacts.
+StonesStep step_of(const Model& model, const StonesOfLayers& layers, double stiffness = 1);
 
 }  // namespace trackbed::model

@@ -31,8 +31,7 @@ CouplingLimit coupling_limit(const World& world, const Stage& stage) {
     lightest = std::min(lightest, world.ground->top_mass(node));
   constexpr double contacts = 1;  // as of layers
   const CouplingLimit top =
-      coupling_limit(world.model.with_contacts_of(stage), "surface node of the ground",
-                     world.comm.min(lightest), contacts);
+      coupling_limit(world.model, "surface node of the ground", world.comm.min(lightest), contacts);
   return top.window < limit.window ? top : limit;
 }
 

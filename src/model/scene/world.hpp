@@ -69,7 +69,8 @@ struct World {
   SurfaceId wall(const std::string& name) const;  // may be removed, or not built yet
 
   // Collects the loads on surfaces of a window of `dt` s that the stones have just advanced by, and
-  // compares them with their action. Collective.
+  // compares them with their action; the range of the next window's sums follows from the largest
+  // load. Collective.
   void collect_loads(double dt, int substeps);
 
   observe::Scene scene();

@@ -214,11 +214,6 @@ bool StagedScheme::is_last_passage() const {
 bool StagedScheme::begin_stage() {
   const double time = run_.course.clock.time();
   if (!settle_ground()) return false;
-  if (const std::size_t stage = run_.course.stage; stage > 0)
-    if (const std::string warning =
-            warning_of_stiffening(world_, model_.stages[stage - 1], present());
-        !warning.empty())
-      run_.warn(warning);
   const std::string did = actions_.begin(present());
   const bool usual =
       model_.has_stage(StageKind::passage) ? is_last_passage() : run_.course.stage + 1 == stages();
@@ -297,19 +292,27 @@ void StagedScheme::judge(const StageRecord& record, const std::string& shortfall
   if (!shortfall.empty())
     run_.warn(fmt::format("stage {} ended after {:.4g} s without reaching its aim: {}", record.name,
                           record.duration, shortfall));
+  if (const std::size_t next = run_.course.stage + 1; next < stages()) {
+    const std::string warning = warning_of_stiffening(world_, present(), model_.stages[next]);
+    if (!warning.empty()) run_.warn(warning);
+  }
   if (present().kind != StageKind::compact) return;
   const std::span<const Stage> done = std::span(model_.stages).first(run_.course.stage + 1);
   if (const std::string warning = warning_of_bed(world_, done); !warning.empty())
     run_.warn(fmt::format("stage {}: {}", record.name, warning));
 }
 
+// Loads that are not balanced, which all ranks see, may be due to a stone on one of them, before
+// its next lists tell.
 std::string StagedScheme::problem() {
+  const std::string unbalanced = world_.coupler.trouble();
   std::string problem = world_.particles.trouble();
+  if (!unbalanced.empty() && problem.empty()) problem = world_.particles.not_a_number();
+  if (!unbalanced.empty()) problem = comm_.first_problem(problem);
   if (world_.placement && !problem.empty()) problem = by_names(problem, world_);
   if (problem.empty() && world_.ground) problem = world_.ground->trouble();
   if (problem.empty() && world_.sleepers) problem = world_.sleepers->trouble();
-  if (problem.empty()) problem = world_.coupler.trouble();
-  return problem;
+  return problem.empty() ? unbalanced : problem;
 }
 
 }  // namespace trackbed::model

@@ -26,27 +26,6 @@ std::int64_t flying(const World& world) {
   return count;
 }
 
-}  // namespace
-
-// The height to which the energy would lift the bed if nothing dissipated it.
-std::string warning_of_stiffening(World& world, const Stage& before, const Stage& stage) {
-  constexpr double noticeable = 1e-3;  // m, a fiftieth of a stone
-  if (!(stage.stiffness > before.stiffness)) return {};
-  world.particles.set_stiffness(stage.stiffness);
-  const dem::Totals totals = world.particles.totals();
-  const double weight = totals.mass * world.model.dem.gravity;
-  if (!(totals.elastic > noticeable * weight)) return {};
-  return fmt::format(
-      "stage {}: contacts become {:.3g} times as stiff while they overlap, and their energy of "
-      "{:.3g} J can lift all stones by {:.2g} mm (limit {:g} mm): stones are launched upwards; "
-      "give stage "
-      "{} a larger stiffness",
-      stage.name, stage.stiffness / before.stiffness, totals.elastic, 1e3 * totals.elastic / weight,
-      1e3 * noticeable, before.name);
-}
-
-namespace {
-
 // The sleeper with the largest settlement since it was placed; all ranks have all sleepers.
 std::string warning_of_sleepers(const World& world) {
   if (!world.sleepers || !world.sleepers->placed()) return {};
@@ -141,6 +120,21 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
         "contacts, or reduce speeds",
         deep, world.particles.totals().particles));
   return warnings;
+}
+
+// The height to which the energy would lift the bed if nothing dissipated it.
+std::string warning_of_stiffening(const World& world, const Stage& stage, const Stage& next) {
+  constexpr double noticeable = 1e-3;  // m, a fiftieth of a stone
+  if (!(next.stiffness > stage.stiffness)) return {};
+  const double stiffer = next.stiffness / stage.stiffness;
+  const dem::Totals totals = world.particles.totals();
+  const double energy = stiffer * totals.elastic, weight = totals.mass * world.model.dem.gravity;
+  if (!(weight > 0) || !(energy > noticeable * weight)) return {};
+  return fmt::format(
+      "stage {}: contacts become {:.3g} times as stiff at its end while they overlap, and their "
+      "energy, then {:.3g} J, can lift all stones by {:.2g} mm (limit {:g} mm): stones are "
+      "launched upwards; give it a larger stiffness or a longer duration",
+      stage.name, stiffer, energy, 1e3 * energy / weight, 1e3 * noticeable);
 }
 
 std::vector<std::string> warnings_of_bonds(const World& world, std::size_t stage) {

@@ -13,9 +13,9 @@ namespace trackbed::model {
 // On height and porosity of the compacted bed, compared with those of the layers that the stages
 // `done` poured; empty: as expected. Collective.
 std::string warning_of_bed(const World& world, std::span<const Stage> done);
-// On the elastic energy of contacts that become stiffer than in the stage before; empty: it moves
-// no stone noticeably. Sets the stiffness of `stage`. Collective.
-std::string warning_of_stiffening(World& world, const Stage& before, const Stage& stage);
+// On the elastic energy of contacts that become stiffer when `next` follows `stage`, at the end of
+// which they are now; empty: it moves no stone noticeably. Collective; needs lists.
+std::string warning_of_stiffening(const World& world, const Stage& stage, const Stage& next);
 // On bonds that should have been made before the first stage of this run. Collective.
 std::vector<std::string> warnings_of_bonds(const World& world, std::size_t stage);
 // On settled sleepers and fast stones at the end of a run whose last stage was of this kind.

@@ -69,9 +69,9 @@ StageActions::StageActions(World& world, const Model& model)
       jump_(world, model),
       train_(world, model) {}
 
-// Collective. Order: damping and friction, then bodies that are removed, bodies that are added, the
-// registration of surfaces, which connects the ground's top to the ranks that need it, and finally
-// bonds between the stones that are left.
+// Collective. Order: damping, friction and stiffness, then bodies that are removed, bodies that are
+// added, the registration of surfaces, which connects the ground's top to the ranks that need it,
+// and finally bonds between the stones that are left.
 std::string StageActions::begin(const Stage& stage) {
   set_contacts(stage);
   const bool has_platen = has_platen_load(stage.kind) || stage.kind == StageKind::release;

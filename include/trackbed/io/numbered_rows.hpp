@@ -14,11 +14,11 @@ namespace trackbed::io {
 // All calls are collective. No rank knows where all rows are: rank `number mod ranks` knows the
 // place of a number, and is asked once, so that memory and messages of a rank are its part of the
 // file and what it wants. Several ranks may want the same row.
-class NamedRows {
+class NumberedRows {
  public:
   // `numbers`: dataset of one integer of 0 or more for each row, each once. Throws RunError if it
   // does not contain all that are wanted.
-  NamedRows(const par::Comm& comm, const File& file, const std::string& numbers,
+  NumberedRows(const par::Comm& comm, const File& file, const std::string& numbers,
             std::span<const std::int64_t> wanted);
   // Rows of a dataset, in the order of `wanted`. Throws RunError if the dataset has another number
   // of rows or columns.
@@ -28,6 +28,7 @@ class NamedRows {
   par::Comm comm_;
   const File* file_;
   std::size_t rows_ = 0, wanted_ = 0;
+  RowRange part_{};  // of the rows, which this rank reads
   // For each rank: the rows it wants of this rank's part, counted from its begin; and the places in
   // `wanted` of the rows it sends.
   std::vector<std::vector<std::size_t>> asked_, place_;

@@ -1,5 +1,5 @@
-// Rows reach the ranks that want them, in their order, whatever ranks wrote and read them.
-#include "trackbed/io/named_rows.hpp"
+// Rows reach the ranks that want them, in the order in which they want them.
+#include "trackbed/io/numbered_rows.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,14 +12,14 @@
 #include "trackbed/core/hash.hpp"
 #include "unit/io/scratch.hpp"
 
-namespace trackbed::io::named_rows_test {
+namespace trackbed::io::numbered_rows_test {
 namespace {
 
 par::Comm world() { return par::Comm::world(); }
 constexpr std::int64_t total = 1000;
 double value(std::int64_t number, int column) { return 0.5 * static_cast<double>(number) - column; }
 
-// Numbers 3 k in an order without pattern (7 and 1000 have no common factor), unevenly split.
+// Numbers 3 k in steps of 21 modulo 3000, unevenly split.
 void write(const std::string& path) {
   std::vector<std::int64_t> numbers;
   std::vector<double> values;
@@ -35,8 +35,8 @@ void write(const std::string& path) {
   file.close();
 }
 
-TEST(NamedRows, ReachEveryRankThatWantsThem) {
-  const Scratch scratch("named_rows");
+TEST(NumberedRows, ReachEveryRankThatWantsThem) {
+  const Scratch scratch("numbered_rows");
   write(scratch / "a.h5");
   const File file(world(), scratch / "a.h5", Mode::read);
   // A third of all, by a hash, of which some are wanted on several ranks; the last rank wants none.
@@ -45,7 +45,7 @@ TEST(NamedRows, ReachEveryRankThatWantsThem) {
   for (std::int64_t k = total; k-- > 0;)
     if (!last && mix(static_cast<std::uint64_t>(k * 8 + world().rank())) % 3 == 0)
       wanted.push_back(3 * k);
-  const NamedRows rows(world(), file, "/ground/node", wanted);
+  const NumberedRows rows(world(), file, "/ground/node", wanted);
   const auto values = rows.read("/ground/u", 2);
   ASSERT_EQ(values.size(), 2 * wanted.size());
   for (std::size_t k = 0; k < wanted.size(); ++k)
@@ -53,14 +53,14 @@ TEST(NamedRows, ReachEveryRankThatWantsThem) {
       EXPECT_EQ(values[2 * k + static_cast<std::size_t>(c)], value(wanted[k], c));
 }
 
-TEST(NamedRows, NameTheRowThatIsMissing) {
+TEST(NumberedRows, NameTheRowThatIsMissing) {
   const Scratch scratch("missing_rows");
   write(scratch / "a.h5");
   const File file(world(), scratch / "a.h5", Mode::read);
   std::vector<std::int64_t> wanted{3};
   if (world().root()) wanted.push_back(10);
   try {
-    const NamedRows rows(world(), file, "/ground/node", wanted);
+    const NumberedRows rows(world(), file, "/ground/node", wanted);
     FAIL() << "row 10 does not exist";
   } catch (const RunError& error) {
     EXPECT_NE(std::string(error.what()).find("/ground/node of the checkpoint has no row 10;"),
@@ -69,13 +69,25 @@ TEST(NamedRows, NameTheRowThatIsMissing) {
   }
 }
 
-TEST(NamedRows, RefuseDatasetsOfAnotherShape) {
+// A rank that reads all by itself, from a file that all have opened.
+TEST(NumberedRows, CanBeReadByEachRankAlone) {
+  const Scratch scratch("rows_alone");
+  write(scratch / "a.h5");
+  const File file(world(), scratch / "a.h5", Mode::read);
+  std::vector<std::int64_t> wanted;
+  for (std::int64_t k = 0; k < total; ++k) wanted.push_back(3 * k);
+  const NumberedRows rows(par::Comm::self(), file, "/ground/node", wanted);
+  const auto values = rows.read("/ground/u", 2);
+  for (std::size_t k = 0; k < wanted.size(); ++k) EXPECT_EQ(values[2 * k], value(wanted[k], 0));
+}
+
+TEST(NumberedRows, RefuseDatasetsOfAnotherShape) {
   const Scratch scratch("shaped_rows");
   write(scratch / "a.h5");
   const File file(world(), scratch / "a.h5", Mode::read);
-  const NamedRows rows(world(), file, "/ground/node", std::vector<std::int64_t>{3});
+  const NumberedRows rows(world(), file, "/ground/node", std::vector<std::int64_t>{3});
   EXPECT_THROW(rows.read("/ground/u", 3), RunError);
 }
 
 }  // namespace
-}  // namespace trackbed::io::named_rows_test
+}  // namespace trackbed::io::numbered_rows_test
