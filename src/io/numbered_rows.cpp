@@ -60,7 +60,7 @@ std::vector<std::int64_t> rows_of(const par::Comm& comm, const std::vector<std::
 }  // namespace
 
 NumberedRows::NumberedRows(const par::Comm& comm, const File& file, const std::string& numbers,
-                     std::span<const std::int64_t> wanted)
+                           std::span<const std::int64_t> wanted)
     : comm_(comm), file_(&file), rows_(file.extent(numbers)[0]), wanted_(wanted.size()) {
   const auto ranks = static_cast<std::size_t>(comm.size());
   // Not the file's own split: its communicator may be another one.

@@ -19,7 +19,7 @@ class NumberedRows {
   // `numbers`: dataset of one integer of 0 or more for each row, each once. Throws RunError if it
   // does not contain all that are wanted.
   NumberedRows(const par::Comm& comm, const File& file, const std::string& numbers,
-            std::span<const std::int64_t> wanted);
+               std::span<const std::int64_t> wanted);
   // Rows of a dataset, in the order of `wanted`. Throws RunError if the dataset has another number
   // of rows or columns.
   std::vector<double> read(const std::string& path, std::size_t columns) const;

@@ -59,8 +59,8 @@ void Stage::declare_course(input::Section& s) {
   s.number(
       "stiffness", stiffness, {.unit = "-", .at_least = 1e-4, .at_most = 1},
       "Stiffness of all contacts during the stage over that of the contact laws (fill, settle). "
-           "Sub-steps become longer by its inverse root: a bed is poured with 0.01 in a tenth of "
-           "the sub-steps. Bonds keep their stiffness.");
+      "Sub-steps become longer by its inverse root: a bed is poured with 0.01 in a tenth of "
+      "the sub-steps. Bonds keep their stiffness.");
   s.number(
       "until_ratio", until_ratio, {.at_least = 0},
       "Ratio `unbalanced` (mean net force divided by mean contact force) below which the "

@@ -82,15 +82,15 @@ void declare_order(const Model& model, input::Section& s) {
 // loaded, stresses stay; stones that become soft settle into another packing, and stones that
 // become stiff are launched.
 void declare_stiffness(const Model& model, input::Section& s) {
-  bool only_poured = model.has_bed() && model.start.empty() && model.bed.cell.empty();
+  bool only_poured = model.has_bed() && model.bed.cell.empty();
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     const Stage& stage = model.stages[i];
     const std::string key = fmt::format("stage[{}].stiffness", i);
     only_poured = only_poured && (stage.kind == StageKind::fill || stage.kind == StageKind::settle);
     s.rule(key, stage.stiffness == 1 || (only_poured && !stage.ground_moves),
            "must be 1: softer contacts are for stages of kind fill and settle of a bed that has "
-           "not been loaded yet, without `start` and bed.cell, above ground that does not move",
-           {.reads = {key, "stage", "start", "bed.cell"}});
+           "not been loaded yet, without bed.cell, above ground that does not move",
+           {.reads = {key, "stage", "bed.cell"}});
     s.rule(key, stage.stiffness == 1 || model.time.step == 0,
            "makes no sub-step longer, since time.step is given; leave time.step out",
            {.severity = input::Severity::warning, .reads = {key, "time.step"}});
