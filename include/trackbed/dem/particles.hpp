@@ -117,7 +117,6 @@ struct EnergyAccount {
 // of ranks.
 struct Totals {
   std::int64_t particles = 0, pieces = 0, contacts = 0;  // contacts: of pieces, and with surfaces
-  std::int64_t neighbours = 0;  // neighbours in contact: each pair counts twice, each surface once
   double mass = 0, kinetic = 0, potential = 0, elastic = 0;  // kg, J
   double largest_overlap = 0;                                // m
   double unbalanced = 0;  // mean |net force| over mean contact force
@@ -269,6 +268,8 @@ class Particles {
   void contacts(
       const std::function<void(const ContactView&)>& visit) const;  // each once over ranks
   Totals totals() const;                                            // collective
+  // Of all particles, in contact: each pair counts twice, each surface once. Collective.
+  std::int64_t neighbours() const;
   // A node of a surface has had a load of this many N, summed over a window: the range of the sums
   // is set to eight times as much. To be called between windows, identically on all ranks.
   void expect_load(double newtons);

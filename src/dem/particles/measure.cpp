@@ -118,59 +118,48 @@ void Particles::contacts(const std::function<void(const ContactView&)>& visit) c
 
 namespace {
 
-// All terms are stored temporarily. Collective.
-double exact_total(const par::Comm& comm, const std::vector<double>& terms) {
-  return par::exact_totals(comm, {}, terms.size(), [&](std::size_t k) {
-    return par::ExactTerm{0, terms[k]};
-  })[0];
-}
+// All sums in Totals at once. A list of terms and not running sums: the range of an exact sum must
+// be known before the first term is added.
+class Sums {
+ public:
+  // The last two have three components.
+  enum Of : std::size_t { mass, kinetic, potential, elastic, net, contact, momentum, force = 9 };
 
-// One list of terms for every sum in Totals. Lists and not running sums: the range of an exact sum
-// must be known before the first term is added.
-struct Terms {
-  using Axes = std::array<std::vector<double>, 3>;
-  std::vector<double> mass, kinetic, potential, elastic;
-  std::vector<double> net, contact;  // N, sizes of net forces and of contact forces
-  Axes momentum, force;
-
-  static void add(Axes& axes, const Vec3& term) {
-    for (int a = 0; a < 3; ++a) axes[static_cast<std::size_t>(a)].push_back(term[a]);
+  void add(Of sum, double term) { terms_.push_back({sum, term}); }
+  void add(Of sum, const Vec3& term) {
+    for (std::size_t a = 0; a < 3; ++a) terms_.push_back({sum + a, term[static_cast<int>(a)]});
   }
   void add(const ParticleView& p, double g) {
-    mass.push_back(p.mass);
+    add(mass, p.mass);
     // Rotation: 1/2 L . w, the same in any axes.
-    kinetic.push_back(0.5 * p.mass * p.velocity.squaredNorm() +
-                      0.5 * p.angular_momentum.dot(p.spin));
-    potential.push_back(p.mass * g * p.position.z());
+    add(kinetic, 0.5 * p.mass * p.velocity.squaredNorm() + 0.5 * p.angular_momentum.dot(p.spin));
+    add(potential, p.mass * g * p.position.z());
     // Gravity is not in the stored force. The force that holds a held particle balances all forces
     // on it.
-    net.push_back(p.held ? 0 : (p.force - Vec3(0, 0, p.mass * g)).norm());
+    add(net, p.held ? 0 : (p.force - Vec3(0, 0, p.mass * g)).norm());
     add(momentum, p.mass * p.velocity);
   }
   void add(const ContactView& c, double energy) {
-    elastic.push_back(energy);
-    contact.push_back(c.force.norm());
-    if (c.second >= 0) return;  // the following is for surfaces only
-    add(force, -c.force);
+    add(elastic, energy);
+    add(contact, c.force.norm());
+    if (c.second < 0) add(force, -c.force);  // of surfaces only
   }
-};
+  // Collective; before the following.
+  void complete(const par::Comm& comm) {
+    constexpr std::size_t count = force + 3;
+    sums_ = par::exact_totals(comm, {count, count}, terms_.size(),
+                              [&](std::size_t k) { return terms_[k]; });
+  }
+  double operator[](Of sum) const { return sums_[sum]; }
+  Vec3 vector(Of sum) const { return {sums_[sum], sums_[sum + 1], sums_[sum + 2]}; }
 
-Vec3 exact_total(const par::Comm& comm, const Terms::Axes& terms) {
-  return {exact_total(comm, terms[0]), exact_total(comm, terms[1]), exact_total(comm, terms[2])};
-}
+ private:
+  std::vector<par::ExactTerm> terms_;
+  std::vector<double> sums_;
+};
 
 double mean(double sum, std::int64_t count) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
-}
-
-// Two particles may be in contact with many pieces, all of them counted on the same rank. A surface
-// has no neighbours of its own.
-std::int64_t neighbours(std::vector<std::pair<Id, Id>>& touching) {
-  std::sort(touching.begin(), touching.end());
-  touching.erase(std::unique(touching.begin(), touching.end()), touching.end());
-  std::int64_t count = 0;
-  for (const auto& [first, second] : touching) count += second < 0 ? 1 : 2;
-  return count;
 }
 
 }  // namespace
@@ -189,39 +178,48 @@ EnergyAccount Particles::Impl::total_of(std::span<const Vec4> accounts) const {
 Totals Particles::totals() const {
   const Impl& r = *impl_;
   Totals total;
-  Terms terms;
+  Sums sums;
   for (std::size_t b = 0; b < r.state.own; ++b) {
     const ParticleView p = (*this)[b];
-    terms.add(p, r.parameters.gravity);
+    sums.add(p, r.parameters.gravity);
     total.pieces += static_cast<std::int64_t>(r.shapes.end(p.shape) - r.shapes.begin(p.shape));
   }
-  std::vector<std::pair<Id, Id>> touching;
   ContactLoop(r).run([&](const ContactView& c, double energy, auto...) {
     ++total.contacts;
-    touching.emplace_back(c.first, c.second);
     total.largest_overlap = std::max(total.largest_overlap, c.overlap);
-    terms.add(c, energy);
+    sums.add(c, energy);
   });
-  bonds([&](const BondView& bond) { terms.elastic.push_back(bond.energy); });
+  bonds([&](const BondView& bond) { sums.add(Sums::elastic, bond.energy); });
   total.particles = r.comm.sum(static_cast<std::int64_t>(r.state.own));
   total.pieces = r.comm.sum(total.pieces);
   total.contacts = r.comm.sum(total.contacts);
-  total.neighbours = r.comm.sum(neighbours(touching));
   total.largest_overlap = r.comm.max(total.largest_overlap);
-  total.mass = exact_total(r.comm, terms.mass);
-  total.kinetic = exact_total(r.comm, terms.kinetic);
-  total.potential = exact_total(r.comm, terms.potential);
-  total.elastic = exact_total(r.comm, terms.elastic);
+  sums.complete(r.comm);
+  total.mass = sums[Sums::mass], total.kinetic = sums[Sums::kinetic];
+  total.potential = sums[Sums::potential], total.elastic = sums[Sums::elastic];
   if (r.parameters.energy_balance) {
     total.account = r.total_of(std::span(r.state.account).first(r.state.own));
     *total.account += r.removed;
   }
-  total.momentum = exact_total(r.comm, terms.momentum);
-  total.surface_force = exact_total(r.comm, terms.force);
-  const double mean_contact = mean(exact_total(r.comm, terms.contact), total.contacts);
-  const double mean_net = mean(exact_total(r.comm, terms.net), total.particles);
+  total.momentum = sums.vector(Sums::momentum);
+  total.surface_force = sums.vector(Sums::force);
+  const double mean_contact = mean(sums[Sums::contact], total.contacts);
+  const double mean_net = mean(sums[Sums::net], total.particles);
   total.unbalanced = mean_contact > 0 ? mean_net / mean_contact : 1;
   return total;
+}
+
+// Two particles may be in contact with many pieces, all of them counted on the same rank. A surface
+// has no neighbours of its own.
+std::int64_t Particles::neighbours() const {
+  std::vector<std::pair<Id, Id>> touching;
+  ContactLoop(*impl_).run(
+      [&](const ContactView& c, auto...) { touching.emplace_back(c.first, c.second); });
+  std::sort(touching.begin(), touching.end());
+  touching.erase(std::unique(touching.begin(), touching.end()), touching.end());
+  std::int64_t count = 0;
+  for (const auto& [first, second] : touching) count += second < 0 ? 1 : 2;
+  return impl_->comm.sum(count);
 }
 
 // All data that determine the further motion: poses, motion and histories, with the names of their

@@ -147,7 +147,7 @@ TEST(Contact, NeighboursAreCountedOnceContactsByPieces) {
   p.advance(1e-9, 1);
   const dem::Totals totals = p.totals();
   EXPECT_EQ(totals.contacts, 4);
-  EXPECT_EQ(totals.neighbours, 3);
+  EXPECT_EQ(p.neighbours(), 3);
   const dem::Memory memory = p.memory();
   EXPECT_GT(memory.particles, 2 * 10 * sizeof(double));  // pose and motion
   EXPECT_GT(memory.contacts, 0u);
