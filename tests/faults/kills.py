@@ -33,6 +33,7 @@ OFTEN = ("output.checkpoint_wall_interval=0.05",)
 KILLS_OF_A_RUN = 5
 LONGEST = 4.0  # s, from the start of a run to its kill; it takes about 0.5 s to begin
 PATIENCE = 300  # s
+QUEUE_WAITS = 30  # s, from SIGTERM to SIGKILL, as is usual
 
 
 def ranks_of(process, program):
@@ -59,7 +60,12 @@ def kill(process, program, chance):
         target = "all"
     if target == "queue":
         process.send_signal(signal.SIGTERM)
-        process.wait(PATIENCE)
+        try:
+            process.wait(QUEUE_WAITS)
+        except subprocess.TimeoutExpired:
+            # mpirun may hang if it is ended while it starts ranks (Open MPI 4.1).
+            process.kill()
+            process.wait(PATIENCE)
         return target
     victims = {"rank": ranks and [chance.choice(ranks)], "mpirun": [process.pid],
                "all": [*ranks, process.pid]}[target]
@@ -136,6 +142,7 @@ def main():
         killed.update(trial.killed)
         runs[trial.name] += 1
         number += 1
+        print(f"trial {number}, {trial.name}: {sum(killed.values())} kills", flush=True)
         if finding:
             findings += 1
             print(f"{trial.place}: {finding}", flush=True)

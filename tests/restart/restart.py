@@ -69,15 +69,18 @@ def require_ends_by_target(folder):
 
 
 def stops(reference, first=""):
-    """Stop after these windows: the first, within each stage from `first` on, the last but one."""
+    """Stop after these windows: the first, within each stage from `first` on, the last of a stage,
+    and the last but one of all."""
     names = [stage["name"] for stage in summary(reference)["stages"]]
     skipped = names.index(first) if first else 0
-    total, begin, chosen = 0, 0, []
+    total, begin, chosen, ends = 0, 0, [], []
     for stage in summary(reference)["stages"]:
         windows = round(stage["duration_s"] / stage["window_s"])
         begin, total = total, total + windows
         chosen.append(begin + (2 * windows) // 3)
-    return [*([] if first else [1]), *chosen[skipped:], total - 1]
+        ends.append(total)
+    return [*([] if first else [1]), *chosen[skipped:], ends[max(skipped, len(ends) - 3)],
+            total - 1]
 
 
 def main():
