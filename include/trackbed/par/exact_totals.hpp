@@ -32,19 +32,23 @@ template <class TermAt>
 std::vector<double> exact_totals(const Comm& comm, const ExactLayout& layout, std::size_t count,
                                  TermAt&& term) {
   std::vector<double> largest(layout.ranges, 0.0);
+  std::vector<std::int64_t> terms(layout.ranges, 0);
   for (std::size_t k = 0; k < count; ++k) {
     const auto [sum, value] = term(k);
     double& range = largest[sum % layout.ranges];
     range = std::max(range, std::abs(value));
+    ++terms[sum % layout.ranges];
   }
   comm.max(std::span(largest));
-  const auto all = static_cast<double>(comm.sum(static_cast<std::int64_t>(count)));
+  comm.sum(std::span(terms));
   const auto summed = [&](std::size_t sum) {
     return largest[sum % layout.ranges] > 0 && std::isfinite(largest[sum % layout.ranges]);
   };
   std::vector<ExactSum> sums;
   for (std::size_t k = 0; k < layout.sums; ++k)
-    sums.emplace_back(summed(k) ? exact_quantum(largest[k % layout.ranges] * all) : 1.0);
+    sums.emplace_back(summed(k) ? exact_quantum(largest[k % layout.ranges] *
+                                                static_cast<double>(terms[k % layout.ranges]))
+                                : 1.0);
   for (std::size_t k = 0; k < count; ++k)
     if (const auto [sum, value] = term(k); summed(sum)) sums[sum].add(value);
   std::vector<std::int64_t> counts;
