@@ -218,7 +218,8 @@ class Particles {
   void advance(double dt_window, int steps);
   // Problem of this rank since the last call (lost particle, not a number, overlap), or empty.
   std::string trouble();
-  std::string not_a_number() const;      // the same for an own particle, at once
+  // Problem of the first own particle whose position or attitude is not a number, or empty. Local.
+  std::string not_a_number() const;
   void set_local_damping(double alpha);  // overrides the materials' value; < 0: restores it
   void set_friction(double mu);          // overrides that of all contacts; < 0: restores it
   void scale_friction(double factor);    // overrides it by this times that of the contact laws

@@ -75,7 +75,8 @@ class Comm {
  private:
   explicit Comm(std::shared_ptr<void> handle);
   std::vector<std::byte> all_gather_bytes(std::span<const std::byte> mine) const;
-  std::vector<std::vector<std::byte>> exchange_bytes(  // without the list for this rank
+  // The list for this rank itself is not sent, and is empty in the result.
+  std::vector<std::vector<std::byte>> exchange_bytes(
       const std::vector<std::span<const std::byte>>& out) const;
   template <class T>
   static std::vector<T> from_bytes(std::span<const std::byte> bytes) {

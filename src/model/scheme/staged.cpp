@@ -302,8 +302,8 @@ void StagedScheme::judge(const StageRecord& record, const std::string& shortfall
     run_.warn(fmt::format("stage {}: {}", record.name, warning));
 }
 
-// Loads that are not balanced, which all ranks see, may be due to a stone on one of them, before
-// its next lists tell.
+// All ranks see that loads on surfaces are not balanced. The cause may be a stone on one rank whose
+// position is not a number, which is otherwise found when the next lists are made: it comes first.
 std::string StagedScheme::problem() {
   const std::string unbalanced = world_.coupler.trouble();
   std::string problem = world_.particles.trouble();
