@@ -1,8 +1,9 @@
 """Runs, numbers and targets of the study demfem: convex and non-convex stones below sleepers, a
 ground whose stiffness rises along the track, cost. Its document: demfem_document.py.
 
-Stones are compared on a slice of the track (inputs/demfem/sleeper.toml); the ground is loaded alone
-(inputs/demfem/ground.toml); the cost is that of solid sleepers and a rail on stones on the ground
+Stones are compared on a slice of the track (inputs/demfem/sleeper.toml), and on ten sleepers with a
+rail on the ground (inputs/demfem/track.toml); the ground is also loaded alone
+(inputs/demfem/ground.toml); the cost is that of two solid sleepers and a rail
 (inputs/demfem/solids.toml).
 """
 import hashlib
@@ -21,6 +22,7 @@ from .study import Run, Target, as_file, deck_of, summary
 from trackbed_post import read  # noqa: I001 (found by .study)
 
 SLEEPER, GROUND, SOLIDS = "demfem/sleeper.toml", "demfem/ground.toml", "demfem/solids.toml"
+CELL, TRACK = "demfem/cell.toml", "demfem/track.toml"
 
 
 DECK, GROUND_DECK = deck_of(SLEEPER), deck_of(GROUND)
@@ -30,6 +32,7 @@ ROCKS, SIZE = 6, 0.02  # their number; m, length unit of their meshes
 PARTS = {"convex": 1, "non_convex": 3}  # convex pieces of a stone
 CORNERS = 12  # of a piece: 20 triangles
 PACKINGS = (1, 2, 3, 4, 5)  # seeds
+TRACKS = (1, 2, 3)  # those of the ten sleepers
 STAGES = {stage["name"]: stage for stage in DECK["stage"]}
 CYCLES = STAGES["cycles"]
 PERIOD = CYCLES["duration"] / CYCLES["cycles"]  # s
@@ -37,6 +40,11 @@ AREA = DECK["sleepers"]["width"] * DECK["sleepers"]["length"]  # m2, of a sleepe
 HEIGHT = STAGES["sleepers"]["height"]  # m, of the bed below the sleepers when they are placed
 STONES = DECK["material"][0]["young"]  # Pa
 GRANITE = 50e9  # Pa, which the study calls realistic
+# Contacts as stiff as a bar of this modulus between the centres of two stones, whose section is the
+# square of their distance: k = modulus times distance. Less stiff along the contact, as in a bar.
+BAR = 0.04  # m, mean distance
+BARS = tuple(f"contact.{k}.{word}" for k in range(3) for word in (
+    "law=linear", f"k_n={STONES * BAR:g}", f"k_s={STONES * BAR / 2:g}", "zeta_n=0.3", "zeta_s=0.3"))
 # Contact forces at eight instants of each cycle.
 FIELDS = ("output.fields=true", f"output.fields_interval={PERIOD / 8:g}",
           'output.fields_parts=["contacts"]')
@@ -100,10 +108,22 @@ def bed(shape, packing, words=()):
                (f"bed.seed={packing}", *of_stones(shape), *FIELDS, *words))
 
 
+def track_of(shape, packing):
+    """Ten sleepers on a bed of copies of one cell."""
+    cell = f"cell_{shape}_{packing}"
+    return [Run(cell, CELL, (f"bed.seed={packing}", *of_stones(shape))),
+            Run(f"track_{shape}_{packing}", TRACK,
+                (*of_stones(shape), f"bed.cell='{{folder}}/{cell}'", "output.fields=true",
+                 "output.fields_interval=0.1", 'output.fields_parts=["ground"]',
+                 "output.ground_extremes=true"))]
+
+
 def runs(form, ranks):
     full = form == "full"
-    found = [bed(shape, packing, () if full else COARSE)
-             for packing in (PACKINGS if full else PACKINGS[:1]) for shape in reversed(SHAPES)]
+    found = [run for packing in (TRACKS if full else ()) for shape in reversed(SHAPES)
+             for run in track_of(shape, packing)]
+    found += [bed(shape, packing, () if full else COARSE)
+              for packing in (PACKINGS if full else PACKINGS[:1]) for shape in reversed(SHAPES)]
     found += [Run(ground_run(name), GROUND, words) for name, words in GROUNDS.items()]
     if full:
         # The same stones as poured: in a loaded bed their overlaps would have 50 times the energy.
@@ -111,6 +131,8 @@ def runs(form, ranks):
             "bed.seed=1", *of_stones("convex"), f"material.ballast.young={GRANITE:g}",
             "stage.cycles.cycles=1", f"stage.cycles.duration={PERIOD:g}", *FIELDS,
             "start='{folder}/bed_convex_1/stage_fill.h5'")))
+        found.append(Run("bed_bars", SLEEPER, (
+            "bed.seed=1", *of_stones("convex"), *BARS, "dem.safety=0.2", *FIELDS)))
         for shape in SHAPES:
             words = of_stones(shape)
             found += [Run(f"bedded_{shape}", SOLIDS, words, ranks),

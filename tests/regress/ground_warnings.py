@@ -17,6 +17,8 @@ REFUSED = {"ground.tolerance=1e-17": "must be at least 1e-14"}
 # For the deck of solid sleepers.
 REFUSED_OF_SOLIDS = {"solid.seats=[0.1,0.1]": "at y = 0.1 and 0.1 m: the seats overlap",
                      "solid.seats=[0.05,-0.02]": "at y = -0.02 and 0.05 m: the seats overlap"}
+WARNED_OF_SOLIDS = {"load.start=0.3": "load.start = 0.3: the first wheel, at x = 0.3 m, acts on "
+                                      "the rails suddenly"}
 WARNED = {"time.window=2e-5 stage.release.duration=1e-5":
           "time.window = 2e-05: is longer than stage \"release\"",
           "ground.elements_z=800": "elements are up to 0.06 m long along x, but only 0.00075 m"}
@@ -88,6 +90,8 @@ def main():
             want(program.done(1, "check", path, *words.split(), code=2), sentence, words)
     for words, sentence in part(WARNED.items()):
         want(program.done(1, "check", deck, *words.split()), sentence, words)
+    for words, sentence in WARNED_OF_SOLIDS.items():
+        want(program.done(1, "check", deck.with_name("tiny_solids.toml"), words), sentence, words)
     table = (folder / "young.csv").resolve()
     for rows, sentence in part(YOUNG.items()):
         table.write_text(f"x_m,young_Pa\n{rows}", encoding="utf-8")
