@@ -32,6 +32,7 @@ ROCKS, SIZE = 6, 0.02  # their number; m, length unit of their meshes
 PARTS = {"convex": 1, "non_convex": 3}  # convex pieces of a stone
 CORNERS = 12  # of a piece: 20 triangles
 PACKINGS = (1, 2, 3, 4, 5)  # seeds
+BARRED = (1, 2, 3)  # those with contacts as stiff as bars
 TRACKS = (1, 2, 3)  # those of the ten sleepers
 LATER = 8
 STAGES = {stage["name"]: stage for stage in DECK["stage"]}
@@ -132,8 +133,9 @@ def runs(form, ranks):
             "bed.seed=1", *of_stones("convex"), f"material.ballast.young={GRANITE:g}",
             "stage.cycles.cycles=1", f"stage.cycles.duration={PERIOD:g}", *FIELDS,
             "start='{folder}/bed_convex_1/stage_fill.h5'")))
-        found.append(Run("bed_bars", SLEEPER, (
-            "bed.seed=1", *of_stones("convex"), *BARS, "dem.safety=0.2", *FIELDS)))
+        found += [Run(f"bars_{shape}_{packing}", SLEEPER, (
+            f"bed.seed={packing}", *of_stones(shape), *BARS, "dem.safety=0.2", *FIELDS))
+            for packing in BARRED for shape in reversed(SHAPES)]
         for shape in SHAPES:
             words = of_stones(shape)
             found += [Run(f"bedded_{shape}", SOLIDS, words, ranks),
