@@ -50,6 +50,9 @@ BARS = tuple(f"contact.{k}.{word}" for k in range(3) for word in (
 # Contact forces at eight instants of each cycle.
 FIELDS = ("output.fields=true", f"output.fields_interval={PERIOD / 8:g}",
           'output.fields_parts=["contacts"]')
+PEAK_FIELD = 5  # counted from the last one, at the end: that of the last largest load
+LAYER = (0.05, 0.2)  # m, whose contacts bound the modulus: without those of floor and sleepers
+RAIL = {"soft end": 0.9, "middle": 2.7, "stiff end": 5.1}  # m, x of a sleeper below the rail
 # Coarser stones for the short form: half of their number, and longer steps.
 COARSE = ("bed.sieve=[45,63]", "bed.passing=[0,100]")
 FORCES = np.geomspace(1e-3, 10, 25)  # kN, edges of the histogram
@@ -156,6 +159,8 @@ def measure(form, folder, numbers, lines):
         place = folder / run.name
         if run.deck == SLEEPER:
             measure_bed(run.name, place, numbers, lines)
+        elif run.deck == TRACK:
+            measure_track(run.name, place, numbers, lines)
         elif run.deck == GROUND:
             measure_ground(run.name, place, numbers, lines)
         elif run.name.startswith("cost"):
@@ -216,6 +221,8 @@ def measure_bed(name, place, numbers, lines):
                 float(summary(place, "dem", "particle_steps_per_second_per_core")), "1/s")
     resultant = run.regions["bed"]["largest_stone_force"].values[rows]
     numbers.put(name, "largest resultant on a stone", 1e-3 * float(resultant.max()), "kN")
+    numbers.put(name, "upper bound of the modulus", 1e-6 * affine_modulus(
+        list(read.fields(place, "cycles", "contacts").values())[-PEAK_FIELD], run.deck), "MPa")
     forces = 1e-3 * contact_forces(place)
     numbers.put(name, "largest contact force", forces.max(), "kN")
     numbers.put(name, "mean contact force", forces.mean(), "kN")
@@ -235,6 +242,59 @@ def contact_forces(place):
     return np.concatenate(found)
 
 
+def affine_modulus(file, deck):
+    """Pa, upper bound of the modulus of one-dimensional compression of a bed with the contacts in
+    `file`: that of stones that follow the strain without rotation, so that each contact is
+    compressed by the strain times the height l of the line between its stones. Any other motion has
+    less energy. k is the stiffness across the contact, which is also taken along it:
+    (sum of k l^2) / volume (Walton 1987, doi:10.1016/0022-5096(87)90036-6)."""
+    low, high = LAYER
+    volume = np.ptp(deck["bed"]["x"]) * np.ptp(deck["bed"]["y"]) * (high - low)
+    exponent = 1.5 if deck["contact"][0]["law"] == "hertz" else 1  # of the overlap in the force
+    with h5py.File(file) as data:
+        ends = data["VTKHDF/Points"][()][data["VTKHDF/Connectivity"][()].reshape(-1, 2)]
+        stiffness = (exponent * data["VTKHDF/CellData/force_size"][()]
+                     / data["VTKHDF/CellData/overlap"][()])
+    height, middle = ends[:, 1, 2] - ends[:, 0, 2], ends[:, :, 2].mean(axis=1)
+    inside = (middle > low) & (middle < high)
+    return float(np.sum((stiffness * height**2)[inside]) / volume)
+
+
+def measure_track(name, place, numbers, lines):
+    """Of the wheels on ten sleepers: displacements in mm down since the begin of their stage,
+    stresses in the ground in MPa."""
+    run = read.results(place)
+    names = [stage["name"] for stage in run.deck["stage"]]
+    z = run.sleeper["displacement"].values
+    placed = z[np.flatnonzero(run.stage == names.index("sleepers"))[0]]
+    rows = np.flatnonzero(run.stage == names.index("wheels"))
+    time, down = run.time[rows] - run.time[rows[0]], 1e3 * (z[rows[0]] - z[rows])
+    numbers.put(name, "sinkage before the wheels", 1e3 * (placed - z[rows[0]]).mean(), "mm")
+    numbers.put(name, "lowest position of a sleeper", down.max(), "mm")
+    numbers.put(name, "settlement of the sleepers", down[-1].mean(), "mm")
+    numbers.put(name, "settlement of the sleepers, largest", down[-1].max(), "mm")
+    lines.put("track_sleepers", name, time[::4], down.max(axis=1)[::4])
+    lines.put("track_settlement", name, run.sleepers_x, down[-1])
+    rail = read.datasets(place)["history/solid/rail_displacement"].values[rows]
+    lowered = 1e3 * (rail[0] - rail)
+    for what, x in RAIL.items():
+        at = int(np.argmin(np.abs(run.sleepers_x - x)))
+        numbers.put(name, f"rail, {what}, settlement", lowered[-1, at], "mm")
+        numbers.put(name, f"rail, {what}, lowest position", lowered[:, at].max(), "mm")
+        lines.put(f"track_rail_{what}", name, time[::4], lowered[::4, at])
+    x, largest = along_track(list(read.fields(place, "wheels", "ground").values())[-1],
+                             "extreme_largest_principal_stress", "extreme_least_principal_stress")
+    for what, values in largest.items():
+        lines.put(f"track_{what}", name, x, values)
+        numbers.put(name, f"{what}, largest", values.max(), "MPa")
+        numbers.put(name, f"{what}, mean", values.mean(), "MPa")
+        numbers.put(name, f"{what}, mean up to 1.2 m", values[x < 1.2].mean(), "MPa")
+        numbers.put(name, f"{what}, mean from 4.8 m", values[x > 4.8].mean(), "MPa")
+        numbers.put(name, f"{what}, x of the largest", x[np.argmax(values)], "m")
+    numbers.put(name, "simulated", float(time[-1]), "s")
+    measure_cost(name, place, numbers)
+
+
 def principal(stress):
     """Principal stresses of rows xx yy zz xy yz zx, ascending."""
     xx, yy, zz, xy, yz, zx = stress.T
@@ -242,18 +302,28 @@ def principal(stress):
         -1, 3, 3))
 
 
-def measure_ground(name, place, numbers, lines):
-    """Largest tension and compression due to the load, over depth and width, along the track."""
-    file = list(read.fields(place, "load", "ground").values())[-1]
+def along_track(file, *names):
+    """x of the columns of elements, and the largest tension and compression in each, in MPa: of one
+    tensor `stress...` or of the arrays with the largest and the least principal stress."""
     with h5py.File(file) as data:
         points, cells = data["VTKHDF/Points"][()], data["VTKHDF/Connectivity"][()]
-        offsets, stress = data["VTKHDF/Offsets"][()], data["VTKHDF/CellData/stress_change"][()]
-    centre = points[cells.reshape(len(offsets) - 1, -1)].mean(axis=1)
-    of = principal(stress)
-    x, place_of = np.unique(np.round(centre[:, 0], 4), return_inverse=True)
+        elements = len(data["VTKHDF/Offsets"]) - 1
+        arrays = [data[f"VTKHDF/CellData/{name}"][()] for name in names]
+    if len(arrays) == 1:
+        of = principal(arrays[0])
+        arrays = [of[:, 2], of[:, 0]]
+    x, place_of = np.unique(np.round(points[cells.reshape(elements, -1)].mean(axis=1)[:, 0], 4),
+                            return_inverse=True)
     largest = {what: np.full(len(x), -np.inf) for what in ("tension", "compression")}
-    np.maximum.at(largest["tension"], np.ravel(place_of), 1e-6 * of[:, 2])
-    np.maximum.at(largest["compression"], np.ravel(place_of), -1e-6 * of[:, 0])
+    for values, sign, stress in zip(largest.values(), (1e-6, -1e-6), arrays):
+        np.maximum.at(values, np.ravel(place_of), sign * np.ravel(stress))
+    return x, largest
+
+
+def measure_ground(name, place, numbers, lines):
+    """Largest tension and compression due to the load, over depth and width, along the track."""
+    x, largest = along_track(list(read.fields(place, "load", "ground").values())[-1],
+                             "stress_change")
     for what, values in largest.items():
         lines.put(what, name, x, values)
     tension, compression = largest["tension"], largest["compression"]
@@ -285,30 +355,38 @@ def measure_cost(name, place, numbers):
         numbers.put(name, f"time, {what}", 100 * float(summary(place, "share", what)), "%")
 
 
-def of(numbers, shape, quantity):
-    """Of all packings."""
-    return [numbers(f"bed_{shape}_{packing}", quantity) for packing in PACKINGS
-            if numbers.has(f"bed_{shape}_{packing}")]
+def of(numbers, shape, quantity, model="bed"):
+    """Of all packings; models are bed and bars (two sleepers) and track (ten)."""
+    return [numbers(f"{model}_{shape}_{packing}", quantity) for packing in PACKINGS
+            if numbers.has(f"{model}_{shape}_{packing}")]
 
 
-def mean(numbers, shape, quantity):
-    return float(np.mean(of(numbers, shape, quantity)))
+def mean(numbers, shape, quantity, model="bed"):
+    return float(np.mean(of(numbers, shape, quantity, model)))
 
 
-def error(numbers, shape, quantity):
+def error(numbers, shape, quantity, model="bed"):
     """Standard error of the mean over the packings; 0 of one packing."""
-    found = of(numbers, shape, quantity)
+    found = of(numbers, shape, quantity, model)
     return float(np.std(found, ddof=1) / len(found)**0.5) if len(found) > 1 else 0.0
 
 
-def error_of_difference(numbers, quantity):
+def error_of_difference(numbers, quantity, model="bed"):
     """Standard error of the difference of the means of both shapes."""
-    return float(np.hypot(*(error(numbers, shape, quantity) for shape in SHAPES)))
+    return float(np.hypot(*(error(numbers, shape, quantity, model) for shape in SHAPES)))
+
+
+def less(numbers, quantity, model="bed"):
+    """By how much the mean of convex stones exceeds that of non-convex ones, and whether it does so
+    by twice the standard error of the difference."""
+    by = mean(numbers, "convex", quantity, model) - mean(numbers, "non_convex", quantity, model)
+    many = len(of(numbers, "convex", quantity, model)) > 1
+    return by, many and by > 2 * error_of_difference(numbers, quantity, model)
 
 
 LAST = f"cycle {CYCLES['cycles']}"
 SETTLED = "settlement after the first cycle"
-BED, COST = "Convex and non-convex stones", "Cost"
+BED, TEN, COST = "Convex and non-convex stones", "Ten sleepers and a rail", "Cost"
 
 
 def predicted(numbers, shape, cores=CORES):
@@ -330,8 +408,7 @@ def targets(n):
     stiff = f"stiffness, {LAST}"
     stiffness = {shape: mean(n, shape, stiff) for shape in SHAPES}
     ratio = stiffness["non_convex"] / stiffness["convex"]
-    less = mean(n, "convex", SETTLED) - mean(n, "non_convex", SETTLED)
-    certain = len(of(n, "convex", SETTLED)) > 1 and less > 2 * error_of_difference(n, SETTLED)
+    by, certain = less(n, SETTLED)
     ratios = tuple(b / a for a, b in zip(of(n, "convex", stiff), of(n, "non_convex", stiff)))
     found = [
         Target("stiffness of the bed, convex stones", "main", "around 430 MPa",
@@ -343,7 +420,7 @@ def targets(n):
                26, 2 * CLOSE, sign=ratio > 1, each=tuple(100 * (each - 1) for each in ratios),
                see=BED),
         Target("sleepers settle less with non-convex stones after the first cycle, by", "main",
-               "5 mm in 50 cycles", less, "mm", holds=certain, see=BED)]
+               "5 mm in 50 cycles", by, "mm", holds=certain, see=BED)]
     if len(of(n, "convex", "stones")) > 1:
         scatter = {shape: float(np.std(of(n, shape, SETTLED), ddof=1)) for shape in SHAPES}
         found.append(Target(
@@ -371,9 +448,36 @@ def targets(n):
                sign=rise > 1),
         Target("mean compression at the stiff end over that at the soft end", "soft",
                "similar", levels[1] / levels[0], "", 1, CLOSE)]
+    found += track_targets(n)
     if n.has("cost_convex"):
         slower = (n("cost_convex", "stone steps per second and core")
                   / n("cost_non_convex", "stone steps per second and core"))
         found.append(Target("time per stone and step, non-convex over convex", "soft", "3.0",
                             slower, "", 3, CLOSE, see=COST))
     return found
+
+
+def track_targets(n):
+    """Of ten sleepers and a rail; none in the short form."""
+    if not of(n, "convex", "settlement of the sleepers", "track"):
+        return []
+    found = []
+    for what, quantity, published in (
+            ("sleepers on ten spacings settle", "settlement of the sleepers, largest", 5),
+            *((f"rail settles at the {place}", f"rail, {place}, settlement", mm)
+              for place, mm in zip(RAIL, (7, 9, 7)))):
+        by, certain = less(n, quantity, "track")
+        found.append(Target(f"{what} less with non-convex stones, by", "main",
+                            f"{published} mm in 50 cycles", by, "mm", holds=certain, see=TEN))
+    for what in ("tension", "compression"):
+        both = [mean(n, shape, f"{what}, largest", "track") for shape in SHAPES]
+        found.append(Target(f"largest {what} in the ground below stones, non-convex over convex",
+                            "soft", "similar", both[1] / both[0], "", 1, CLOSE, see=TEN))
+    tension = mean(n, "convex", "tension, largest", "track")
+    where = mean(n, "convex", "tension, x of the largest", "track")
+    return found + [
+        Target("largest tension in the ground below convex stones", "main", "0.1 MPa", tension,
+               "MPa", 0.1, CLOSE, each=tuple(of(n, "convex", "tension, largest", "track")),
+               see=TEN),
+        Target("x of this tension", "main", "3 m, steepest stiffness", where, "m", 3, CLOSE,
+               each=tuple(of(n, "convex", "tension, x of the largest", "track")), see=TEN)]
