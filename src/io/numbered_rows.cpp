@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <compare>
-#include <utility>
+#include <numeric>
 
 #include "trackbed/core/error.hpp"
+#include "trackbed/par/directory.hpp"
 
 namespace trackbed::io {
 
@@ -21,42 +21,6 @@ std::size_t reader_of(std::size_t row, std::size_t rows, std::size_t ranks) {
   return row < end ? row / (least + 1) : longer + (row - end) / least;
 }
 
-struct Entry {
-  std::int64_t number, row;
-  auto operator<=>(const Entry&) const = default;
-};
-
-// The row of each wanted number, -1 if there is none.
-std::vector<std::int64_t> rows_of(const par::Comm& comm, const std::vector<std::int64_t>& mine,
-                                  std::size_t begin, std::span<const std::int64_t> wanted) {
-  const auto ranks = static_cast<std::size_t>(comm.size());
-  const auto knows = [&](std::int64_t number) { return static_cast<std::size_t>(number) % ranks; };
-  std::vector<std::vector<Entry>> entries(ranks);
-  for (std::size_t k = 0; k < mine.size(); ++k)
-    entries[knows(mine[k])].push_back({mine[k], static_cast<std::int64_t>(begin + k)});
-  std::vector<Entry> directory;
-  for (const auto& list : comm.exchange(entries))
-    directory.insert(directory.end(), list.begin(), list.end());
-  std::sort(directory.begin(), directory.end());
-
-  Lists asked(ranks);
-  for (const std::int64_t number : wanted) asked[knows(number)].push_back(number);
-  Lists answers = comm.exchange(asked);
-  for (auto& list : answers)
-    for (std::int64_t& number : list) {
-      const auto at = std::lower_bound(directory.begin(), directory.end(), Entry{number, 0});
-      number = at != directory.end() && at->number == number ? at->row : -1;
-    }
-  answers = comm.exchange(answers);
-  std::vector<std::int64_t> found(wanted.size());
-  std::vector<std::size_t> next(ranks, 0);
-  for (std::size_t k = 0; k < wanted.size(); ++k) {
-    const std::size_t rank = knows(wanted[k]);
-    found[k] = answers[rank][next[rank]++];
-  }
-  return found;
-}
-
 }  // namespace
 
 NumberedRows::NumberedRows(const par::Comm& comm, const File& file, const std::string& numbers,
@@ -66,7 +30,9 @@ NumberedRows::NumberedRows(const par::Comm& comm, const File& file, const std::s
   // Not the file's own split: its communicator may be another one.
   part_ = row_range(rows_, comm.rank(), comm.size());
   const auto mine = file.read_rows<std::int64_t>(numbers, part_.begin, part_.count);
-  const auto found = rows_of(comm, mine, part_.begin, wanted);
+  std::vector<std::int64_t> rows(mine.size());
+  std::iota(rows.begin(), rows.end(), static_cast<std::int64_t>(part_.begin));
+  const auto found = par::Directory(comm, mine, rows).places_of(wanted);
   const auto missing = std::find(found.begin(), found.end(), -1);
   comm.agree(
       missing == found.end()

@@ -11,9 +11,8 @@
 
 namespace trackbed::io {
 
-// All calls are collective. No rank knows where all rows are: rank `number mod ranks` knows the
-// place of a number, and is asked once, so that memory and messages of a rank are its part of the
-// file and what it wants. Several ranks may want the same row.
+// All calls are collective. Memory and messages of a rank are its part of the file and what it
+// wants (par::Directory). Several ranks may want the same row.
 class NumberedRows {
  public:
   // `numbers`: dataset of one integer of 0 or more for each row, each once. Throws RunError if it

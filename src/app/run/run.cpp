@@ -66,13 +66,17 @@ Outcome Run::run_stages() {
   while (course_.stage < scheme_.stages()) {
     if (!course_.begun && !begin_stage()) return stop();
     bool stops = false;
-    while (runs()) {
+    bool more = runs();
+    while (more) {
       scheme_.advance();
       const Verdict verdict = agree();
       scheme_.record();
       if (verdict == Verdict::report || verdict == Verdict::report_and_save) report();
       stops = verdict == Verdict::stop;
-      if (ends_with_stage()) break;
+      more = runs();
+      // After the last window of a stage with a checkpoint of its own no other one is written, not
+      // even for a stop: results at its end need contacts that a checkpoint does not contain.
+      if (!more && scheme_.keeps_stages()) break;
       if (stops) return stop_with_checkpoint();
       if (verdict == Verdict::save || verdict == Verdict::report_and_save ||
           context_.ends(context_.model.output.checkpoint_interval))
@@ -83,10 +87,6 @@ Outcome Run::run_stages() {
   }
   return finish();
 }
-
-// After the last window of a stage with a checkpoint of its own no other one is written, not even
-// for a stop: results at its end need contacts that a checkpoint does not contain.
-bool Run::ends_with_stage() const { return scheme_.keeps_stages() && !runs(); }
 
 // False if the run is to stop before the stage has begun: there is nothing to store.
 bool Run::begin_stage() {

@@ -41,7 +41,6 @@ class Run {
   Outcome run_stages();
   bool begin_stage();
   bool runs() const;
-  bool ends_with_stage() const;
   double time_left() const;  // s of simulated time, rough
   void end_stage();
   Outcome stop_with_checkpoint();
