@@ -71,8 +71,8 @@ def settles(n):
         by, certain = less(n, quantity, "track")
         texts.append(f"{what} by {by:.2f} +- {error_of_difference(n, quantity, 'track'):.2f} mm"
                      f"{'' if certain else ' (decides nothing)'}")
-    return (f"Under {mean(n, 'convex', 'simulated', 'track'):.2f} s of wheels, non-convex stones "
-            f"let less settle: {', '.join(texts)}. Published: 5 mm of sleepers and 7 to 9 mm of "
+    return (f"Under {mean(n, 'convex', 'simulated', 'track'):.2f} s of wheels, less settles on "
+            f"non-convex stones: {', '.join(texts)}. Published: 5 mm of sleepers and 7 to 9 mm of "
             "the rail in 8 s.")
 
 
@@ -84,8 +84,9 @@ def part_setup(n):
               / n("shapes_convex", "volume over sieve cubed") - 1)
     low, high = (mean(n, "convex", f"{what} stress") for what in ("least", "largest"))
     return heading("Set-up") + f"""
-For their stiffness the shapes are compared on a slice of the track (`inputs/demfem/sleeper.toml`): two rigid sleepers
-on {HEIGHT} m of ballast, 0.3 m of the length of the sleepers between smooth walls,
+For their stiffness the shapes are compared on a slice of the track
+(`inputs/demfem/sleeper.toml`): two rigid sleepers on {HEIGHT} m of ballast,
+0.3 m of the length of the sleepers between smooth walls,
 {n("bed_convex_1", "stones"):.0f} convex or {n("bed_non_convex_1", "stones"):.0f} non-convex stones,
 on a rigid, rough floor. Given by the study: density, modulus of 1 GPa (its stones are fifty times
 softer than granite to save time), Poisson's ratio, friction, restitution, axles of 250 kN 1.6 m

@@ -18,6 +18,7 @@ from trackbed_post.monitor import (ballast, calibration, greens, indicators,  # 
 from trackbed_post.monitor import forces as monitor_forces  # noqa: E402
 from trackbed_post.settlement import command as settlement_command  # noqa: E402
 from trackbed_post.settlement import laws, traffic  # noqa: E402
+from trackbed_post.trajectory import command as trajectory_command  # noqa: E402
 
 FORMATS = ("png", "pdf", "svg", "csv")  # csv: the lines of each figure
 
@@ -117,6 +118,17 @@ def draw_geometry(given):
     runs = [one for one in given.sources if one.is_dir()]
     folder = write.Folder(given.output, write.origin_of(runs) if runs else "", given.format)
     geometry.draw_into(given.sources, folder, given.twist_base, given.window, given.speed)
+    print_folders([folder])
+
+
+def roll_wheels(given):
+    """paths of wheels over a scanned rail (CSV, STL), as files of irregularity"""
+    choices = trajectory_command.Choices(
+        tuple(given.wheel), tuple(1e-3 * y for y in given.lateral),
+        1 if given.field_side == "+y" else -1, given.radius, given.unit, given.marks, given.origin,
+        given.trailing)
+    folder = write.Folder(given.output, given.scan.name, given.format)
+    trajectory_command.trajectory(given.scan, folder, choices)
     print_folders([folder])
 
 
@@ -284,6 +296,30 @@ def parser():
     one.add_argument("--speed", type=float, metavar="KMH",
                      help="speed of the line, above 80 and up to 160 km/h: states the track "
                           "quality class of EN 13848-6")
+    draws(one)
+    one = command("trajectory", roll_wheels)
+    one.add_argument("scan", type=pathlib.Path, metavar="FILE",
+                     help="points: CSV with the columns x, y, z and their units (x_mm), or binary "
+                     "STL; x along the track, z upwards")
+    one.add_argument("--wheel", nargs="+", default=["s1002"], metavar="WHEEL",
+                     help="s1002, s1002:hollow:MM (hollow tread of this depth) or a CSV with the "
+                     "columns s and growth and their units; default: s1002")
+    one.add_argument("--lateral", type=float, nargs="+", default=[0.0], metavar="MM",
+                     help="y of the tread datum of the wheels, 70 mm from the back of the flange; "
+                     "default: 0")
+    one.add_argument("--field-side", choices=("+y", "-y"), default="+y",
+                     help="where the field side of the wheel is; default: %(default)s")
+    one.add_argument("--radius", type=positive, default=0.46, metavar="M",
+                     help="of the wheels; default: %(default)g")
+    one.add_argument("--unit", type=positive, default=1e-3, metavar="M",
+                     help="of an STL file; default: %(default)g m")
+    one.add_argument("--marks", type=pathlib.Path, metavar="FILE.csv",
+                     help="three places or more as scanned (x y z) and in the frame of the track "
+                     "(true_x true_y true_z)")
+    one.add_argument("--origin", type=float, default=0.0, metavar="M",
+                     help="x of the scan's origin in the deck; default: 0")
+    one.add_argument("--trailing", action="store_true",
+                     help="trains run to smaller x of the scan")
     draws(one)
     one = command("curve", draw_curve)
     one.add_argument("quantity", help="a dataset such as history/rail/displacement")

@@ -4,12 +4,14 @@
     track_numbers.py PROGRAM DECKS FOLDER
 """
 import pathlib
+import re
 import shutil
 import sys
 
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from part import part  # noqa: E402
 from program import Program, summary  # noqa: E402
 from results import datasets  # noqa: E402
 from track import SHORT, same_bits  # noqa: E402
@@ -134,6 +136,22 @@ def check_crossing(program, decks, folder):
         raise SystemExit(f"dips of 0.75 and 1.5 mm: {forces} N, {accelerations} m/s2")
 
 
+def check_panels(program, decks, folder):
+    """Largest wheel forces over the scanned crossing are those of docs/postproc.md."""
+    table = (decks.parents[1] / "docs/postproc.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (facing|trailing) \| (\d+) \| (\d+) \|$", table, re.MULTILINE)
+    if len(rows) != 4:
+        raise SystemExit(f"docs/postproc.md has the rows {rows} of crossing panels")
+    for move, pads, force in part(rows):
+        place = folder / f"panel_{move}_{pads}"
+        program.done(1, "run", decks / "crossing_panel.toml", f"pad.stiffness={pads}e6",
+                     f"irregularity.file={decks.resolve()}/crossing_{move}.csv", "-o", place)
+        found = summary(place)["track"]["wheel_force_max_n"] / 1e3
+        if abs(found - float(force)) > 0.01 * float(force):
+            raise SystemExit(f"crossing panel, {move}, pads of {pads} MN/m: {found} kN, "
+                             f"docs/postproc.md has {force}")
+
+
 def check_lost(program, decks, folder):
     """Loss of contact counts while wheels are on the track, not beyond it."""
     place = folder / "flies"
@@ -255,6 +273,7 @@ def main():
     check_run_ins(program, decks, folder)
     check_d1(program, decks, folder)
     check_crossing(program, decks, folder)
+    check_panels(program, decks, folder)
     check_lost(program, decks, folder)
     check_energy(program, decks, folder)
     check_order(program, decks, folder)

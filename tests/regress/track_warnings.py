@@ -338,7 +338,8 @@ def check_files(program, decks, folder):
     for rows, sentences in (("0,0\n30,0.4\n60,0\n",
                              ["are up to 0.4 m (usual: at most 0.1 m); are they"]),
                             ("0,0\n30,-1e-3\n", ["has rows from 0 to 30 m, but the track"]),
-                            ("20,0\n60,-1e-3\n", ["has rows from 20 to 60 m"]),
+                            ("20,1e-3\n60,-1e-3\n", ["has rows from 20 to 60 m"]),
+                            ("20,0\n25,-1e-3\n30,0\n", []),
                             ("0,0\n60,-1e-3\n", [])):
         table.write_text("x_m,z_m\n" + rows, encoding="utf-8")
         ran = program.done(1, "check", decks / "plain.toml", *words)

@@ -114,6 +114,9 @@ void warning_rows(const TrackModel& model, const track::Irregularity& profile,
                   const track::IrregularityParameters& p, std::vector<std::string>& to) {
   const std::vector<double>& rows = profile.rows();
   const double length = model.line.track.length;
+  // A profile that begins and ends at height 0 continues evenly: a dip between even rails.
+  const bool beyond = rows.back() < length && profile.heights().back() != 0;
+  const bool before = rows.front() > p.fade && profile.heights().front() != 0;
   double most = 0;
   for (const double z : profile.heights()) most = std::max(most, std::abs(z));
   if (most > high)
@@ -121,7 +124,7 @@ void warning_rows(const TrackModel& model, const track::Irregularity& profile,
         fmt::format("heights of {} are up to {:g} m (usual: at most {:g} m); are they given in mm "
                     "instead of m?",
                     p.file, most, high));
-  if (rows.back() < length || rows.front() > p.fade)
+  if (beyond || before)
     to.push_back(fmt::format(
         "{} has rows from {:g} to {:g} m, but the track reaches from 0 to {:g} m; "
         "before the first and after the last row the profile keeps the height of that row",

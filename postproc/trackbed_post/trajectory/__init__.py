@@ -1,0 +1,1 @@
+"""Wheels over a scanned running surface: the path of their centres, an irregularity of decks."""

@@ -1,0 +1,86 @@
+"""Vertical path of a wheel that rolls over a running surface without deforming it.
+
+    path = contact.roll(grid, profile, lateral=0.0, radius=0.46)
+    path.x, path.z, path.contact        # m; contact: y of the contact
+"""
+import dataclasses
+
+import numpy as np
+
+from trackbed_post import read
+
+SPAN = 0.1    # m, over which the slopes before and behind a kink are averaged
+MOVED = 5e-3  # m, by which the contact jumps from the wing rail to the nose, at least
+
+
+@dataclasses.dataclass(frozen=True)
+class Path:
+    """Of the lowest point of a wheel's tread datum, were it even: x, z and y of the contact, m."""
+    name: str
+    x: np.ndarray
+    z: np.ndarray
+    contact: np.ndarray
+
+    def irregularity(self):
+        """m, heights above the straight line through both ends."""
+        line = np.interp(self.x, self.x[[0, -1]], self.z[[0, -1]])
+        return self.z - line
+
+    def transition(self):
+        """x at which the contact jumps most, m; nan if it does not jump."""
+        jump = np.abs(np.diff(self.contact))
+        at = int(np.argmax(jump))
+        return float(self.x[at:at + 2].mean()) if jump[at] > MOVED else np.nan
+
+    def dip(self):
+        """(largest angle by which the path kinks upwards, rad; its x, m): difference of the mean
+        slopes over SPAN behind and before."""
+        count = int(round(SPAN / (self.x[1] - self.x[0])))
+        if len(self.x) < 2 * count + 1:
+            return np.nan, np.nan
+        z = self.z
+        kink = (z[2 * count:] - 2 * z[count:-count] + z[:-2 * count]) / (
+            count * (self.x[1] - self.x[0]))
+        at = int(np.argmax(kink))
+        return float(kink[at]), float(self.x[count + at])
+
+
+def sections(grid, profile, lateral, side=1):
+    """Of each section at x: height at which the wheel would rest on it alone, and y of the contact,
+    m; nan where the scan has a hole below the whole wheel. `lateral`: y of the tread datum; `side`:
+    1 if the field side of the wheel is at larger y, -1 otherwise."""
+    growth = profile.growth(side * (grid.y - lateral))
+    below = np.isfinite(growth)
+    if not below.any():
+        raise read.Unreadable(f"the wheel at y = {lateral:g} m is beside the scan, which reaches "
+                              f"from y = {grid.y[0]:.4g} to {grid.y[-1]:.4g} m")
+    heights = np.where(np.isfinite(grid.z[:, below]), grid.z[:, below], -np.inf) + growth[below]
+    at = np.argmax(heights, axis=1)
+    height = heights[np.arange(len(at)), at]
+    known = np.isfinite(height)
+    return np.where(known, height, np.nan), np.where(known, grid.y[below][at], np.nan)
+
+
+def roll(grid, profile, lateral=0.0, radius=0.46, side=1, name=""):
+    """Path of a wheel that touches the highest of all sections below it: at x the section at x + d
+    lifts it to its own height less the height of the wheel's circle there."""
+    height, y = sections(grid, profile, lateral, side)
+    known = np.flatnonzero(np.isfinite(height))
+    if not len(known):
+        raise read.Unreadable(f"the wheel at y = {lateral:g} m has no scanned surface below it")
+    x, height, y = (of[known[0]:known[-1] + 1] for of in (grid.x, height, y))
+    height = np.where(np.isfinite(height), height, -np.inf)
+    step, drop = grid.x[1] - grid.x[0], np.ptp(height[np.isfinite(height)])
+    # Sections further away would need a larger difference in height to touch, unless nothing is
+    # known between.
+    hole = int(np.diff(np.flatnonzero(np.isfinite(height)), prepend=-1).max())
+    reach = min(int(np.sqrt(max(2 * radius * drop - drop**2, 0)) / step) + hole, len(x) - 1)
+    z, contact = height.copy(), y.copy()
+    for k in range(1, reach + 1):
+        lowered = radius - np.sqrt(max(radius**2 - (k * step)**2, 0))
+        for here, there in ((slice(k, None), slice(None, -k)), (slice(None, -k), slice(k, None))):
+            lifted = height[there] - lowered
+            higher = lifted > z[here]
+            z[here] = np.where(higher, lifted, z[here])
+            contact[here] = np.where(higher, y[there], contact[here])
+    return Path(name or profile.name, x, z, contact)
