@@ -334,7 +334,8 @@ def history(seed, growth, count=200):
     begins = [(first + datetime.timedelta(days=day)).isoformat() for day in days]
     order = {name: value for name in trends.QUANTITIES}
     return order | {"train": np.array(["six"] * count), "begin": np.array(begins),
-                    "temperature_C": warmth, "misfit": np.ones(count)}
+                    "temperature_C": warmth, "misfit": np.ones(count),
+                    "speed_m_s": 50 + random.normal(0, 1, count)}
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -350,6 +351,22 @@ def test_growth_raises_an_alarm(seed):
     for one in trends.trends(history(seed, 0.5)):
         assert one.alarm and one.change == pytest.approx(0.5, abs=0.15)
         assert one.per_month == pytest.approx(5 / 12, rel=0.2)
+
+
+def test_trends_are_those_of_similar_speeds():
+    """Passages at twice the speed, with larger indicators, in the second half of the year."""
+    table = history(1, 0.0)
+    fast = np.arange(200) % 3 == 0
+    fast[:100] = False
+    table["speed_m_s"] = np.where(fast, 100.0, table["speed_m_s"])
+    spoilt = table | {name: np.where(fast, 4 * table[name], table[name])
+                      for name in trends.QUANTITIES}
+    found = trends.trends(spoilt)
+    assert [one.passages for one in found] == [200 - fast.sum()] * 3
+    assert not any(one.alarm for one in found)
+    mixed = spoilt | {"speed_m_s": np.full(200, 50.0)}
+    assert all(abs(one.mean) > abs(other.mean)
+               for one, other in zip(trends.trends(mixed), found))
 
 
 def test_trends_need_passages_and_dates():
@@ -371,6 +388,21 @@ def test_remarks_on_speed_and_length(folder, library, tmp_path):
     assert "45 m/s is not that of the recognised train, 40 m/s" in second["remarks"]
     passages.batch(folder, tmp_path / "b.csv", library)
     assert rows_of(tmp_path / "b.csv")[0]["train"] == "unknown"
+
+
+def test_passages_are_recognised_by_a_measured_one(folder, tmp_path):
+    rows = "file,speed_m_s,reference\np0.csv,30,pair\np1.csv,,\np2.csv,,\n"
+    (folder / "passages.csv").write_text(rows, encoding="utf-8")
+    words = ("monitor", folder, "-o", tmp_path / "out", "--workers", "1")
+    assert conftest.call(*words).returncode == 0
+    found = rows_of(tmp_path / "out/monitor.csv")
+    assert [row["train"] for row in found] == ["pair"] * 3
+    assert [float(row["speed_m_s"]) for row in found] == pytest.approx([30, 40, 50], abs=0.1)
+    for content, why in ((rows.replace("pair", "two"), "has the table of references"),
+                         (rows.replace(",30,", ",,"), "needs its speed_m_s")):
+        (folder / "passages.csv").write_text(content, encoding="utf-8")
+        failed = conftest.call(*words)
+        assert failed.returncode == 2 and why in failed.stderr, failed.stderr
 
 
 def test_command_line(folder, tmp_path):

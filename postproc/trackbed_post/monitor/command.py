@@ -23,8 +23,11 @@ def monitor(source, folder, runs, choices, workers):
                               "different lengths above 0, m")
     if folder.path.resolve() == source.resolve():
         raise read.Unreadable(f"{source} has the signals: choose another folder for the results")
-    library = passages.library_of(runs) if runs else None
-    keep_settings(folder, source, runs, choices)
+    lines = passages.listed(source)
+    references = passages.references_of(source, lines, choices)
+    library = passages.library_of(runs, references) if runs or references else None
+    keep_settings(folder, source, runs, choices, {
+        line["file"]: line["reference"] for line in lines if line.get("reference")})
     path = folder.path / TABLE
     count = passages.batch(source, path, library, choices, workers)
     table = figures.table_of(path)
@@ -48,10 +51,11 @@ def monitor(source, folder, runs, choices, workers):
                                               str(files[first]), choices.noise))
 
 
-def keep_settings(folder, source, runs, choices):
+def keep_settings(folder, source, runs, choices, references):
     """Refuses to continue a table of other passages, bands or trains."""
     now = {"passages": str(source.resolve()), "wavelengths_m": sorted(choices.wavelengths),
            "library": [str(run.resolve()) for run in runs], "noise_m_s2": choices.noise,
+           "references": references,
            "columns": passages.NAMES}
     path = folder.path / SETTINGS
     if path.is_file() and (folder.path / TABLE).is_file():

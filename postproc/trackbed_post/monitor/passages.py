@@ -2,8 +2,9 @@
 
 A folder of passages has a file passages.csv with a line of names and a line for each passage:
 `file` (CSV, WAV or MAT beside it, as for trackbed_post vibration; FILE:COLUMN chooses a column),
-and, if known, `begin` (any text that sorts by time, such as 2026-05-01T12:00:00), `speed_m_s` and
-`temperature_C`. Without passages.csv every signal file of the folder is a passage.
+and, if known, `begin` (any text that sorts by time, such as 2026-05-01T12:00:00), `speed_m_s`,
+`temperature_C` and `reference`: the type of its train, by which others of this type are recognised.
+Without passages.csv every signal file of the folder is a passage.
 
 Rows are written as they are found, so that the same command continues a batch that was stopped.
 """
@@ -24,7 +25,7 @@ INDEX = "passages.csv"
 FAST = 100.0  # m/s: faster trains are given in km/h
 SAME = 1.0    # m/s, largest difference of a given and the recognised speed
 LONGER = 4.0  # m, than the reference: the train has other vehicles
-COLUMNS = ("file", "begin", "speed_m_s", "temperature_C")
+COLUMNS = ("file", "begin", "speed_m_s", "temperature_C", "reference")
 AHEAD = 64  # passages that wait for a worker: a batch of any length takes little memory
 
 
@@ -238,10 +239,33 @@ def evaluated(folder, lines, library, choices, workers):
             yield future.result()
 
 
-def library_of(folders):
-    """trains.Library of runs of the program: the name of a train is that of the folder, without a
-    number that follows "__"; its displacement is that of the first sleeper in the histories."""
-    references, names = [], set()
+def references_of(folder, lines, choices):
+    """trains.References of the passages whose train and speed are given."""
+    found = []
+    for line in lines:
+        name, speed = line.get("reference"), number(line.get("speed_m_s") or "nan", "speed_m_s",
+                                                    line["file"])
+        if not name:
+            continue
+        if not math.isfinite(speed):
+            raise read.Unreadable(f"{INDEX}: {line['file']} is a reference of {name}, which needs "
+                                  "its speed_m_s")
+        signal = measured.acceleration(folder / line["file"])
+        done = displacement.reconstruct(signal.values, signal.rate, speed,
+                                        doubtful=signal.doubtful, noise=choices.noise)
+        if done.misfit > displacement.TRUSTED:
+            raise read.Unreadable(f"{line['file']} cannot be a reference of {name}: its misfit of "
+                                  f"{done.misfit:.3g} is above {displacement.TRUSTED:g}, so that "
+                                  "its displacement is wrong")
+        found.append(trains.Reference.of_passage(name, done.displacement, signal.rate, speed))
+    return found
+
+
+def library_of(folders, references=()):
+    """trains.Library of runs of the program and of other references. The name of the train of a run
+    is that of the folder, without a number that follows "__"; its displacement is that of the first
+    sleeper in the histories."""
+    references, names = list(references), set()
     for folder in folders:
         run = read.results(folder)
         whole = pathlib.Path(os.path.abspath(folder)).name

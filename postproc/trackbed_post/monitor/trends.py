@@ -1,6 +1,7 @@
 """Change of peak and indicators over many passages: per month and per degree, and alarms.
 
-Of each train with enough passages a line is fitted over time and temperature, robustly, as single
+Indicators grow with the speed: of each train only passages at similar speeds count. If they are
+enough, a line is fitted over time and temperature, robustly, as single
 passages may be far off (soft L1 loss of scipy.optimize.least_squares). An alarm needs that the
 latest passages differ from the first ones by more than a part of these and by more than the scatter
 explains; temperature is taken out before.
@@ -19,6 +20,7 @@ QUANTITIES = {"peak_mm": "largest displacement (mm)",
               "acceleration_m_s2": "indicator of acceleration (m/s2)"}
 AVERAGED = 7      # passages in a mean or median, as in the thesis
 LEAST = 2 * AVERAGED
+SIMILAR = 0.1     # largest difference of a speed from the median of the train's, relative to it
 WARMER = 5.0      # degrees between the coldest and the warmest tenth, or temperature is left out
 CHANGED = 0.2     # least change of the latest median, relative to the first
 ERRORS = 4.0      # least change over its standard error
@@ -58,6 +60,9 @@ def trends(table):
     found = []
     for train in sorted(set(table["train"]) - {"unknown"}):
         rows = (table["train"] == train) & (table["misfit"] <= displacement.TRUSTED)
+        if rows.any():
+            usual = np.median(table["speed_m_s"][rows])
+            rows &= np.abs(table["speed_m_s"] - usual) <= SIMILAR * usual
         if rows.sum() < LEAST:
             continue
         days, warmth = days_of(table["begin"][rows]), table["temperature_C"][rows]
