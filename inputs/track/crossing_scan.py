@@ -51,7 +51,7 @@ def height(x, y):
     return np.fmax(wing, np.where(width > 0, nose, np.nan))
 
 
-def main():
+def write(path):
     chance = np.random.default_rng(1)
     x, y = (axis.ravel() for axis in np.meshgrid(
         np.arange(0, LENGTH + 1, STEP_X), np.arange(*WIDTH, STEP_Y), indexing="ij"))
@@ -61,9 +61,9 @@ def main():
     x, y, z = x[seen], y[seen], z[seen] + chance.normal(0, NOISE, np.count_nonzero(seen))
     out = chance.choice(len(z), int(OUTLIERS * len(z)), replace=False)
     z[out] += chance.uniform(5, 40, len(out))
-    np.savetxt(sys.argv[1], np.stack([x, y, z], axis=1), fmt="%.3f", delimiter=",",
+    np.savetxt(path, np.stack([x, y, z], axis=1), fmt="%.3f", delimiter=",",
                header="x_mm,y_mm,z_mm", comments="")
 
 
 if __name__ == "__main__":
-    main()
+    write(sys.argv[1])

@@ -17,6 +17,7 @@ import scipy.stats
 
 import launch
 
+from . import crossing_scanned as scanned
 from . import crossing_stones as stones
 from .study import INPUTS, Run, Target, deck_of, summary
 
@@ -49,9 +50,11 @@ EFFECTIVE = 0.4  # m, of rail that moves with the contact in Jenkins' P1
 PROGRAM = {}  # path: of the program, for the calibration of the ballast
 KERNEL = f"kernel_{SPEED:g}.h5"
 FORMS = {"short": {"dips": 8, "panel_dips": 3, "seeds": 2, "joints": ("middle",),
-                   "beds": ("half",), "bed_seeds": 1, "voids": (), "sound": 0, "stones": False},
+                   "beds": ("half",), "bed_seeds": 1, "voids": (), "sound": 0, "stones": False,
+                   "scanned": scanned.CASES[:1]},
          "full": {"dips": 20, "panel_dips": 8, "seeds": 10, "joints": tuple(JOINTS),
-                  "beds": tuple(BEDS), "bed_seeds": 10, "voids": VOIDS, "sound": 7, "stones": True}}
+                  "beds": tuple(BEDS), "bed_seeds": 10, "voids": VOIDS, "sound": 7, "stones": True,
+                  "scanned": scanned.CASES}}
 
 
 def dips(count):
@@ -63,6 +66,7 @@ def dips(count):
 def prepare(program, folder):
     """Green's functions of the deck, unless they exist."""
     PROGRAM["path"] = program
+    scanned.prepare(program, folder)
     kept = folder / "kernel.key"
     key = hashlib.sha256(pathlib.Path(program).read_bytes()
                          + (INPUTS / DECK).read_bytes()).hexdigest()
@@ -106,6 +110,7 @@ def runs(form, _):
                    f"irregularity.depth={ANGLE / 4}", "track.zone=[]",
                    f"ballast.damping={factor * BED['damping']}"))
               for speed in VEES for name, factor in DAMPINGS.items()]
+    found += scanned.runs(chosen["scanned"])
     return found + (stones.runs() if chosen["stones"] else [])
 
 
@@ -157,6 +162,7 @@ def measure(form, folder, numbers, lines):
         measure_forces(folder, chosen, kernel, name, numbers, lines)
     measure_ballast(folder, chosen, numbers, lines)
     measure_vees(folder, numbers)
+    scanned.measure(folder, chosen["scanned"], chosen["seeds"], Passage, numbers, lines)
     if chosen["stones"]:
         stones.measure(folder, PROGRAM["path"], numbers, lines)
 
@@ -427,4 +433,4 @@ def targets(n):
         found.append(Target(f"voids reported where there is none, in "
                             f"{n('voids', 'sound passages'):.0f} passages", "main", "ours: none",
                             value, "", holds=value == 0, sign=value == 0))
-    return found + stones.targets(n)
+    return found + scanned.targets(n) + stones.targets(n)

@@ -126,8 +126,7 @@ def test_the_path_over_a_noisy_scan_is_that_over_the_crossing(tmp_path):
     truth = 1e-3 * module.height(1e3 * x[:, None], 1e3 * y[None, :])
     exact = contact.roll(scan.Grid(x, y, truth), profiles.of("s1002"))
     file = tmp_path / "scan.csv"
-    module.sys.argv = ["crossing_scan.py", str(file)]
-    module.main()
+    module.write(file)
     ran = conftest.call("trajectory", file, "--wheel", "s1002", "s1002:hollow:2", "--origin", "17",
                         "-o", tmp_path / "facing")
     assert ran.returncode == 0, ran.stderr

@@ -47,13 +47,6 @@ def prepared(path, choices):
     return scan.smoothed(grid), remarks
 
 
-def in_track(path, choices):
-    """(x in the deck, ascending; irregularity), m."""
-    if choices.trailing:
-        return choices.origin - path.x[::-1], path.irregularity()[::-1]
-    return choices.origin + path.x, path.irregularity()
-
-
 def table_of(paths, choices):
     """Values of each path, as text; x in the deck."""
     sign = -1 if choices.trailing else 1
@@ -74,7 +67,7 @@ def draw(grid, paths, choices):
         section.plot(1e3 * grid.y, 1e3 * grid.z[row], lw=1, color=plt.cm.viridis(shade),
                      label=f"x = {1e3 * grid.x[row]:.0f} mm")
     for number, path in enumerate(paths):
-        x, z = in_track(path, choices)
+        x, z = path.in_track(choices.origin, choices.trailing)
         height.plot(x, 1e3 * z, color=f"C{number % 8}", label=path.name)
         y = path.contact[::-1] if choices.trailing else path.contact
         place.plot(x, 1e3 * y, color=f"C{number % 8}")
@@ -111,7 +104,7 @@ def trajectory(path, folder, choices):
         raise read.Unreadable("two wheels have the same name and lateral position: give each once")
     every = max(int(round(ROWS / (grid.x[1] - grid.x[0]))), 1)
     for name, one in zip(names, paths):
-        rows = zip(*(of[::every] for of in in_track(one, choices)))
+        rows = zip(*(of[::every] for of in one.in_track(choices.origin, choices.trailing)))
         folder.file(f"irregularity_{name}.csv", rows_as_csv(
             ("x_m", "z_m"), [(round(float(x), 6), round(float(z), 8)) for x, z in rows]))
     folder.file("sections.csv", sections_as_csv(grid))

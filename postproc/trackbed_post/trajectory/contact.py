@@ -26,6 +26,13 @@ class Path:
         line = np.interp(self.x, self.x[[0, -1]], self.z[[0, -1]])
         return self.z - line
 
+    def in_track(self, origin=0.0, trailing=False):
+        """(x in the track, ascending; irregularity), m; `origin`: x of the scan's origin;
+        `trailing`: trains run to smaller x of the scan."""
+        if trailing:
+            return origin - self.x[::-1], self.irregularity()[::-1]
+        return origin + self.x, self.irregularity()
+
     def transition(self):
         """x at which the contact jumps most, m; nan if it does not jump."""
         jump = np.abs(np.diff(self.contact))

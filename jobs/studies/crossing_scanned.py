@@ -1,0 +1,128 @@
+"""The part of the study crossing on scanned rails: the six panels of the thesis, by the design of
+their pads and the direction of travel, with wheels of several profiles on a made-up scan
+(inputs/track/crossing_scan.py, crossing_panel.toml).
+"""
+import hashlib
+import importlib.util
+import pathlib
+import subprocess
+
+import numpy as np
+
+import launch
+
+from .study import INPUTS, Run, Target
+
+from trackbed_post.monitor import greens, indicators, inverse  # noqa: I001 (found by .study)
+from trackbed_post.trajectory import contact, profiles, scan
+
+DECK, SCAN = "track/crossing_panel.toml", "track/crossing_scan.py"
+PADS = {"60E": 60e6, "UIC60": 1200e6}  # N/m
+ORIGINS = {"facing": 17.0, "trailing": 19.0}  # m, x of the scan's origin in the track
+WHEELS = {"s1002": "S1002", "s1002:hollow:1": "hollow, 1 mm", "s1002:hollow:2": "hollow, 2 mm"}
+# Location, name, design and direction of travel: Table 1 of the thesis.
+PANELS = (("Höör", "21B", "60E", "trailing"), ("Höör", "22A", "60E", "facing"),
+          ("Stehag", "21A", "UIC60", "facing"), ("Stehag", "21B", "UIC60", "facing"),
+          ("Vätteryd", "102", "UIC60", "trailing"), ("Vätteryd", "131", "UIC60", "facing"))
+CASES = tuple((design, move) for design in PADS for move in ORIGINS)
+ROWS = 5  # mm, between rows of an irregularity
+
+
+def name_of(design, move, wheel="s1002"):
+    return f"scanned_{design}_{move}_{wheel.replace(':', '_')}"
+
+
+def file_of(move, wheel):
+    return f"path_{move}_{wheel.replace(':', '_')}.csv"
+
+
+def kernel_of(design):
+    return f"kernel_scanned_{design}.h5"
+
+
+def prepare(program, folder):
+    """Paths of the wheels over the scan, and Green's functions of the panels, unless they exist."""
+    kept = folder / "scanned.key"
+    sources = [pathlib.Path(program), INPUTS / DECK, INPUTS / SCAN,
+               *(pathlib.Path(module.__file__) for module in (contact, profiles, scan))]
+    key = "\n".join(hashlib.sha256(path.read_bytes()).hexdigest() for path in sources)
+    if kept.is_file() and kept.read_text(encoding="utf-8") == key:
+        return
+    write_paths(folder)
+    for design in PADS:
+        ran = subprocess.run([program, "kernel", INPUTS / DECK, f"pad.stiffness={PADS[design]}",
+                              "-o", folder / kernel_of(design), "--sensor", "18", "--speed", "50",
+                              "--from", "4", "--to", "32"], capture_output=True, text=True,
+                             check=False)
+        if ran.returncode:
+            launch.fail(ran, kernel_of(design))
+    kept.write_text(key, encoding="utf-8")
+
+
+def write_paths(folder):
+    spec = importlib.util.spec_from_file_location("crossing_scan", INPUTS / SCAN)
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    made.write(folder / "scan.csv")
+    grid = scan.smoothed(scan.gridded(scan.cleaned(scan.load(folder / "scan.csv"))))
+    for wheel in WHEELS:
+        path = contact.roll(grid, profiles.of(wheel))
+        for move, origin in ORIGINS.items():
+            x, z = path.in_track(origin, move == "trailing")
+            np.savetxt(folder / file_of(move, wheel), np.stack([x, z], axis=1)[::ROWS],
+                       fmt="%.8f", delimiter=",", header="x_m,z_m", comments="")
+
+
+def runs(chosen):
+    return [Run(name_of(design, move, wheel), DECK,
+                (f"pad.stiffness={PADS[design]}",
+                 f"irregularity.file='{{folder}}/{file_of(move, wheel)}'"))
+            for design, move in chosen for wheel in WHEELS]
+
+
+def measure(folder, chosen, seeds, passage_of, numbers, lines):
+    """`passage_of`: the Passage of a folder. Errors of force and irregularity with 0.1 % noise."""
+    for move in dict.fromkeys(move for _, move in chosen):
+        for wheel, title in WHEELS.items():
+            x, z = np.loadtxt(folder / file_of(move, wheel), delimiter=",", skiprows=1).T
+            lines.put("scanned_paths", f"{move}, {title}", x, 1e3 * z)
+            path = contact.Path(wheel, x, z, np.zeros(len(x)))
+            numbers.put(f"path_{move}_{wheel}", "depth", -1e3 * z.min(), "mm")
+            numbers.put(f"path_{move}_{wheel}", "kink", 1e3 * path.dip()[0], "mrad")
+    for design, move in chosen:
+        kernel = greens.load(folder / kernel_of(design))
+        for wheel in WHEELS:
+            run = name_of(design, move, wheel)
+            passage = passage_of(folder / run)
+            numbers.put(run, "largest force", 1e-3 * passage.largest_force(), "kN")
+            numbers.put(run, "indicator", indicators.indicator(passage.acceleration, 5000.0, 50.0),
+                        "m/s2")
+            x, z = np.loadtxt(folder / file_of(move, wheel), delimiter=",", skiprows=1).T
+            peaks, heights = [], []
+            for seed in range(seeds):
+                forces, *_ = inverse.evaluate(passage.noisy(1e-3, seed), kernel, 50.0)
+                surface = inverse.irregularity(forces, kernel, 50.0)
+                near = [passage.near(k, (forces.x[0], forces.x[-1])) for k in (0, 1)]
+                peaks += [100 * abs(force.max() / passage.force[rows, k].max() - 1)
+                          for k, (force, rows) in enumerate(zip(forces.force, near))]
+                true = np.interp(surface.x, x, z)
+                heights.append(100 * np.abs(surface.height - true).max() / -z.min())
+                if seed == 0 and wheel == "s1002":
+                    lines.put("scanned_surface", f"{design}, {move}, identified", surface.x,
+                              1e3 * surface.height)
+                    lines.put("scanned_surface", f"{design}, {move}, true", surface.x, 1e3 * true)
+            for what, values in (("the largest force", peaks), ("the irregularity", heights)):
+                numbers.put(run, f"error of {what}, median", np.median(values), "%")
+                numbers.put(run, f"error of {what}, worst", max(values), "%")
+
+
+def targets(n):
+    """Of wheels of profile S1002, the worst of all designs and directions."""
+    found = [name_of(design, move) for design, move in CASES if n.has(name_of(design, move))]
+    limits = (("the largest force", "largest force", 10), ("the irregularity",
+                                                           "irregularity over its depth", 15))
+    return [Target(f"scanned crossing, S1002: {title}, 0.1 % noise", "main",
+                   f"ours: below {limit} %",
+                   value := max(n(run, f"error of {what}, worst") for run in found), "%",
+                   holds=value < limit, sign=value < 2 * limit)
+            for what, title, limit in limits] if found else []
