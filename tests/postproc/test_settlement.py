@@ -60,6 +60,33 @@ def test_fit_finds_the_exponent(exponent):
     assert (logarithm.scatter < 1e-12) == (exponent == 0)
 
 
+def test_the_standard_error_of_a_jump_is_that_of_intermittent_sleepers():
+    """Sleepers settle by equal steps at times that are even in the logarithm of the cycles."""
+    random, off = np.random.default_rng(1), []
+    cycles = np.concatenate([np.arange(81), [160, 161]]).astype(float)
+    stage = np.array([0] * 81 + [1, 2])
+    for _ in range(200):
+        times = random.uniform(0, np.log(200), (16, 40))  # of steps of 0.1 mm
+        settled = 1e-4 * (times[None] < np.log1p(cycles)[:, None, None]).sum(axis=2)
+        one, = course.aims(course.Course(cycles, settled, cycles, stage, stage == 1),
+                           {"jump": {"cycles": 20, "exponent": 0.0}})
+        off.append((one.settled - one.aimed) / one.error)
+        assert (one.begin, one.end) == (80, 160)
+    assert np.std(off) == pytest.approx(1, abs=0.25) and abs(np.mean(off)) < 0.2
+    assert np.mean(np.abs(off) < 1) == pytest.approx(0.68, abs=0.1)
+
+
+def test_the_standard_error_does_not_contain_what_a_jump_has_settled():
+    cycles = np.concatenate([np.arange(41), [100], np.arange(101, 141), [400]]).astype(float)
+    jumped = np.isin(cycles, (100, 400))
+    settled = 1e-3 * np.log1p(cycles)[:, None] * np.linspace(0.5, 1.5, 8)
+    settled[cycles >= 100] += 5e-3  # by the jump
+    stage = np.concatenate([np.full(41, 0), [1], np.full(40, 2), [3]])
+    first, second = course.aims(course.Course(cycles, settled, cycles, stage, jumped),
+                                {"jump": {"cycles": 20, "exponent": 0.0}})
+    assert 0 < second.error < 2 * first.error
+
+
 def test_a_good_jump_has_no_error_and_one_too_far_is_found():
     """Of a settlement by the logarithm; after the second jump it goes on at twice its rate."""
     cycles = np.concatenate([np.arange(0, 41), [100], np.arange(101, 141), [400],

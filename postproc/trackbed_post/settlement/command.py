@@ -69,7 +69,7 @@ def fitted(found, begin):
     return laws.fit(found.cycles[use], found.mean()[use]) if use.sum() >= FEWEST else []
 
 
-def table_of(name, found, fits, checks):
+def table_of(name, found, fits, aims, checks):
     mean, cycles = found.mean(), found.cycles[-1]
     lines = [f"{name}: {cycles:.0f} cycles, {np.count_nonzero(~found.jump) - 1} of them computed",
              f"  settlement of the sleepers: mean {1e3 * mean[-1]:.3f} mm, largest "
@@ -78,6 +78,9 @@ def table_of(name, found, fits, checks):
     lines += [f"  {fit.name}: {1e3 * fit.begin:.3f} mm + {1e3 * fit.rate:.4g} mm * "
               f"((1 + N)^b - 1)/b with b = {fit.exponent:.3g}; scatter {1e3 * fit.scatter:.2g} mm"
               for fit in fits]
+    lines += [f"  jump from cycle {one.begin:.0f} to {one.end:.0f}: by the law "
+              f"{1e3 * one.aimed:.3f} +- {1e3 * one.error:.3f} mm in the mean (standard error, as "
+              f"settlement is intermittent), in the run {1e3 * one.settled:.3f} mm" for one in aims]
     for check in checks:
         lines.append(f"  jump from cycle {check.begin:.0f} to {check.end:.0f}: "
                      f"{1e3 * check.settled:.3f} mm, true settlement minus this "
@@ -153,7 +156,8 @@ def settlement(results, folder, given, forecast=None):
         folder.file(f"{prefix}settlement.csv", course_as_csv(found, run.deck))
         if trains := course.axles_of(path):
             folder.file(f"{prefix}axles.csv", axles_as_csv(trains))
-        text.append(table_of(run.name, found, fits, course.checks(found, run.deck)))
+        text.append(table_of(run.name, found, fits, course.aims(found, run.deck),
+                             course.checks(found, run.deck)))
         draw_course(left, run.name, found, fits, f"C{number}")
         if forecast:
             days, curves = forecast_curves(forecast, fits, given)

@@ -59,6 +59,61 @@ def last_cycles(run, count):
     return 1 if stage["kind"] in ("load", "passage") and counted < whole else 0
 
 
+WINDOW = 10  # cycles, of an increment of settlement; the first ones are left out: bedding in
+
+
+@dataclasses.dataclass(frozen=True)
+class Aim:
+    """A jump from cycle `begin` to `end`: the mean settlement that the law and the cycles before it
+    state, its standard error because settlement is intermittent (not a number if fewer than three
+    increments are known), and that of the run, m."""
+    begin: float
+    end: float
+    aimed: float
+    error: float
+    settled: float
+
+
+def scatter(course, row, exponent):
+    """m2 per unit of the law: variance of the settlement of a sleeper about the common law, of
+    computed increments of WINDOW cycles up to `row`. A sleeper rests for many cycles and then
+    moves, so that the variance of an increment grows in proportion to the law."""
+    ends = np.arange(WINDOW, course.cycles[row] + 0.5, WINDOW)
+    at = np.searchsorted(course.cycles[:row + 1], ends)
+    grown, law = [], []
+    for first, last in zip(at, at[1:]):
+        if last > row or course.cycles[last] != course.cycles[first] + WINDOW or \
+                course.jump[first + 1:last + 1].any():
+            continue
+        grown.append(course.settled[last] - course.settled[first])
+        law.append(laws.law(course.cycles[last], exponent)
+                   - laws.law(course.cycles[first], exponent))
+    if len(grown) < 3:
+        return np.nan
+    grown, law = np.array(grown), np.array(law)
+    rate = grown.mean(axis=1).sum() / law.sum()
+    return float(np.mean((grown - rate * law[:, None])**2 / law[:, None]))
+
+
+def aims(course, deck):
+    """An Aim of each jump with computed cycles before it."""
+    jump = deck.get("jump", {})
+    exponent, measured = jump.get("exponent", 0.0), jump.get("cycles", 20)
+    mean, found = course.mean(), []
+    for row in np.flatnonzero(course.jump):
+        if row < 2 or course.jump[row - 1]:
+            continue
+        begin, end = course.cycles[row - 1], course.cycles[row]
+        first = np.flatnonzero(course.cycles >= begin - measured)[0]
+        known, ahead = (laws.law(b, exponent) - laws.law(a, exponent)
+                        for a, b in ((course.cycles[first], begin), (begin, end)))
+        error = np.sqrt(scatter(course, row - 1, exponent) / course.settled.shape[1]
+                        * ahead * (1 + ahead / known))
+        found.append(Aim(begin, end, max(ahead / known * (mean[row - 1] - mean[first]), 0.0),
+                         float(error), mean[row] - mean[row - 1]))
+    return found
+
+
 @dataclasses.dataclass(frozen=True)
 class JumpCheck:
     """A jump, and whether the settlement after it goes on by the law with which it was made:
