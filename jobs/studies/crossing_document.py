@@ -148,7 +148,8 @@ def part_scanned(n):
                          f"{n(run, 'largest force'):.0f}", f"{n(run, 'indicator'):.1f}",
                          *(f"{n(run, f'error of {what}, median'):.1f} / "
                            f"{n(run, f'error of {what}, worst'):.1f}"
-                           for what in ("the largest force", "the irregularity"))))
+                           for what in ("the largest force", "the irregularity",
+                                        "the place"))))
     panels = [(place, name, design, move,
                f"{n(scanned.name_of(design, move), 'largest force'):.0f}"
                if (design, move) in cases else "")
@@ -162,10 +163,11 @@ hole, and `trajectory` lets wheels of profile S1002, as they are and with a holl
 it. Its paths are the irregularities of `inputs/track/crossing_panel.toml` at 50 m/s: pads of
 {scanned.PADS["60E"] / 1e6:.0f} MN/m (60E) and {scanned.PADS["UIC60"] / 1e6:.0f} MN/m (UIC60),
 facing and trailing. Errors with 0.1 % noise, median / worst, over seeds; the irregularity over its
-depth:
+depth, the place of the train in the record in cm. Where the place is wrong by centimetres, the
+running surface is found beside its true place, which is the main error of the irregularity:
 
 {table(["design", "move", "wheel", "depth, mm", "kink, mrad", "largest force, kN",
-        "indicator, m/s2", "force, %", "irregularity, %"], rows)}
+        "indicator, m/s2", "force, %", "irregularity, %", "place, cm"], rows)}
 The six panels of the thesis (its Table 1) with this scan and wheels of profile S1002:
 
 {table(["location", "crossing", "design", "move", "largest force, kN"], panels)}"""

@@ -47,8 +47,8 @@ def summary(n):
   that is, {mean(n, "non_convex", stiff) / mean(n, "convex", stiff):.2f} times as stiff (published
   1.26). Both beds are far softer than published: with these contacts, a bed of convex stones cannot
   be stiffer than {mean(n, "convex", "upper bound of the stiffness"):.0f} MPa. With contacts as
-  stiff as bars of the same modulus it has {mean(n, "convex", stiff, "bars"):.0f} MPa (published 430), with
-  non-convex stones {mean(n, "non_convex", stiff, "bars"):.0f} (published 540).
+  stiff as bars of the same modulus it has {mean(n, "convex", stiff, "bars"):.0f} MPa (published
+  430), with non-convex stones {mean(n, "non_convex", stiff, "bars"):.0f} (published 540).
 - {settles(n)}
 - After the first cycle, two sleepers settle by {settled:.2f}
   +- {error_of_difference(n, SETTLED):.2f} mm less on non-convex stones in {CYCLES["cycles"] - 1}

@@ -66,6 +66,23 @@ def positive(text):
     return value
 
 
+def finite(text):
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text}: must be a number")
+    return value
+
+
+def of_wheel(text):
+    value = positive(text)
+    if not 0.1 <= value <= 1:
+        raise argparse.ArgumentTypeError(f"{text}: wheels have a radius of 0.1 to 1 m")
+    return value
+
+
 def print_folders(folders):
     for folder in folders:
         for remark in folder.remarks:
@@ -304,19 +321,19 @@ def parser():
     one.add_argument("--wheel", nargs="+", default=["s1002"], metavar="WHEEL",
                      help="s1002, s1002:hollow:MM (hollow tread of this depth) or a CSV with the "
                      "columns s and growth and their units; default: s1002")
-    one.add_argument("--lateral", type=float, nargs="+", default=[0.0], metavar="MM",
+    one.add_argument("--lateral", type=finite, nargs="+", default=[0.0], metavar="MM",
                      help="y of the tread datum of the wheels, 70 mm from the back of the flange; "
                      "default: 0")
     one.add_argument("--field-side", choices=("+y", "-y"), default="+y",
                      help="where the field side of the wheel is; default: %(default)s")
-    one.add_argument("--radius", type=positive, default=0.46, metavar="M",
+    one.add_argument("--radius", type=of_wheel, default=0.46, metavar="M",
                      help="of the wheels; default: %(default)g")
     one.add_argument("--unit", type=positive, default=1e-3, metavar="M",
                      help="of an STL file; default: %(default)g m")
     one.add_argument("--marks", type=pathlib.Path, metavar="FILE.csv",
                      help="three places or more as scanned (x y z) and in the frame of the track "
                      "(true_x true_y true_z)")
-    one.add_argument("--origin", type=float, default=0.0, metavar="M",
+    one.add_argument("--origin", type=finite, default=0.0, metavar="M",
                      help="x of the scan's origin in the deck; default: 0")
     one.add_argument("--trailing", action="store_true",
                      help="trains run to smaller x of the scan")

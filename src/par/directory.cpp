@@ -2,18 +2,20 @@
 
 #include <algorithm>
 
+#include "trackbed/core/error.hpp"
+
 namespace trackbed::par {
 
 Directory::Directory(const Comm& comm, std::span<const std::int64_t> numbers,
                      std::span<const std::int64_t> places)
     : comm_(comm) {
+  require(numbers.size() == places.size(), "one place for each number");
   std::vector<std::vector<Entry>> out(static_cast<std::size_t>(comm.size()));
   for (std::size_t k = 0; k < numbers.size(); ++k)
     out[keeper(numbers[k])].push_back({numbers[k], places[k]});
   for (const auto& list : comm.exchange(out))
     entries_.insert(entries_.end(), list.begin(), list.end());
-  std::sort(entries_.begin(), entries_.end(),
-            [](const Entry& a, const Entry& b) { return a.number < b.number; });
+  std::sort(entries_.begin(), entries_.end());
 }
 
 std::vector<std::int64_t> Directory::places_of(std::span<const std::int64_t> wanted) const {
@@ -22,9 +24,7 @@ std::vector<std::int64_t> Directory::places_of(std::span<const std::int64_t> wan
   auto answers = comm_.exchange(asked);
   for (auto& list : answers)
     for (std::int64_t& number : list) {
-      const auto at = std::lower_bound(
-          entries_.begin(), entries_.end(), number,
-          [](const Entry& entry, std::int64_t sought) { return entry.number < sought; });
+      const auto at = std::lower_bound(entries_.begin(), entries_.end(), Entry{number, 0});
       number = at != entries_.end() && at->number == number ? at->place : -1;
     }
   answers = comm_.exchange(answers);

@@ -369,6 +369,24 @@ def test_trends_are_those_of_similar_speeds():
                for one, other in zip(trends.trends(mixed), found))
 
 
+@pytest.mark.parametrize("power", [2, 2.5])
+def test_a_drift_of_the_speed_is_no_alarm(power):
+    table = history(1, 0.0)
+    speeds = np.linspace(46, 54, 200)
+    grown = (speeds / 50)**power
+    for one in trends.trends(table | {"speed_m_s": speeds} | {
+            name: grown * table[name] for name in trends.QUANTITIES}):
+        assert one.passages == 200 and not one.alarm and abs(one.change) < 0.1
+
+
+def test_of_two_usual_speeds_the_more_frequent_one_counts():
+    table = history(1, 0.0)
+    speeds = np.where(np.arange(200) % 5 < 2, 40.0, 60.0)
+    speeds[7] = np.nan
+    found = trends.trends(table | {"speed_m_s": speeds})
+    assert [one.passages for one in found] == [np.sum(speeds == 60.0)] * 3
+
+
 def test_trends_need_passages_and_dates():
     few = {name: values[:10] for name, values in history(1, 0.0).items()}
     assert trends.trends(few) == []
@@ -398,10 +416,12 @@ def test_passages_are_recognised_by_a_measured_one(folder, tmp_path):
     found = rows_of(tmp_path / "out/monitor.csv")
     assert [row["train"] for row in found] == ["pair"] * 3
     assert [float(row["speed_m_s"]) for row in found] == pytest.approx([30, 40, 50], abs=0.1)
-    for content, why in ((rows.replace("pair", "two"), "has the table of references"),
-                         (rows.replace(",30,", ",,"), "needs its speed_m_s")):
+    for content, place, why in ((rows.replace("pair", "two"), "out", "the table of references"),
+                                (rows.replace(",30,", ",33,"), "out", "the table of references"),
+                                (rows.replace(",30,", ",,"), "new", "needs its speed_m_s"),
+                                (rows.replace("pair", "unknown"), "new", "give another name")):
         (folder / "passages.csv").write_text(content, encoding="utf-8")
-        failed = conftest.call(*words)
+        failed = conftest.call(*words[:3], tmp_path / place)
         assert failed.returncode == 2 and why in failed.stderr, failed.stderr
 
 

@@ -1,6 +1,7 @@
 // Where things are that are distributed over the ranks and known by a number.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,8 +15,8 @@ namespace trackbed::par {
 // asks for. All calls are collective.
 class Directory {
  public:
-  // `numbers`, of 0 or more, and their `places` as known to this rank; no two ranks give the same
-  // number.
+  // `numbers`, of 0 or more, and their `places` as known to this rank. Of several places of a
+  // number the least one counts, on any number of ranks.
   Directory(const Comm& comm, std::span<const std::int64_t> numbers,
             std::span<const std::int64_t> places);
   // Of each wanted number, -1 if nobody has given it. Several ranks may ask for the same.
@@ -24,6 +25,7 @@ class Directory {
  private:
   struct Entry {
     std::int64_t number, place;
+    auto operator<=>(const Entry&) const = default;
   };
   std::size_t keeper(std::int64_t number) const {
     return static_cast<std::size_t>(number) % static_cast<std::size_t>(comm_.size());

@@ -24,10 +24,11 @@ def monitor(source, folder, runs, choices, workers):
     if folder.path.resolve() == source.resolve():
         raise read.Unreadable(f"{source} has the signals: choose another folder for the results")
     lines = passages.listed(source)
+    keep_settings(folder, source, runs, choices, {
+        line["file"]: [line["reference"], line.get("speed_m_s", "")]
+        for line in lines if line.get("reference")})
     references = passages.references_of(source, lines, choices)
     library = passages.library_of(runs, references) if runs or references else None
-    keep_settings(folder, source, runs, choices, {
-        line["file"]: line["reference"] for line in lines if line.get("reference")})
     path = folder.path / TABLE
     count = passages.batch(source, path, library, choices, workers)
     table = figures.table_of(path)
@@ -61,7 +62,7 @@ def keep_settings(folder, source, runs, choices, references):
     if path.is_file() and (folder.path / TABLE).is_file():
         then = json.loads(path.read_text(encoding="utf-8"))
         for name, value in now.items():
-            if then.get(name) != value:
+            if then.get(name, {} if name == "references" else None) != value:
                 raise read.Unreadable(f"{folder.path} has the table of {name} = {then.get(name)}, "
                                       f"not {value}: choose another folder")
     folder.file(SETTINGS, json.dumps(now, indent=1) + "\n")

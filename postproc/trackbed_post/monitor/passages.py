@@ -23,6 +23,7 @@ from trackbed_post.monitor import displacement, indicators, trains
 SIGNALS = (".csv", ".mat", ".wav")
 INDEX = "passages.csv"
 FAST = 100.0  # m/s: faster trains are given in km/h
+UNKNOWN = "unknown"  # train of a passage that is not recognised
 SAME = 1.0    # m/s, largest difference of a given and the recognised speed
 LONGER = 4.0  # m, than the reference: the train has other vehicles
 COLUMNS = ("file", "begin", "speed_m_s", "temperature_C", "reference")
@@ -131,7 +132,7 @@ def measure(signal, line, library, choices, found, remarks):
         remarks.append(f"the speed of {speed:g} m/s is given: is it in km/h?")
     if library:
         train = library.identify(signal.values, rate)
-        found |= {"train": train.name or "unknown", "direction": train.direction,
+        found |= {"train": train.name or UNKNOWN, "direction": train.direction,
                   "similarity": train.similarity}
         if train.name and abs(speed - train.speed) > SAME:
             remarks.append(f"the given speed of {speed:g} m/s is not that of the recognised train, "
@@ -149,7 +150,7 @@ def measure(signal, line, library, choices, found, remarks):
         remarks.append(f"the misfit of {done.misfit:.3g} is above {displacement.TRUSTED:g}: the "
                        "displacement is wrong, because of low-frequency noise, a step or spike of "
                        "the sensor, its start, or a second train")
-    if library and found["train"] != "unknown":
+    if library and found["train"] != UNKNOWN:
         length = trains.length_of(done.displacement, speed / rate)
         more = length - min(library.lengths_of(found["train"]), key=lambda one: abs(one - length))
         if abs(more) > LONGER:
@@ -247,6 +248,9 @@ def references_of(folder, lines, choices):
                                                     line["file"])
         if not name:
             continue
+        if name == UNKNOWN:
+            raise read.Unreadable(f'{INDEX}: {line["file"]} is a reference of "{UNKNOWN}", which '
+                                  "stands for trains that are not recognised; give another name")
         if not math.isfinite(speed):
             raise read.Unreadable(f"{INDEX}: {line['file']} is a reference of {name}, which needs "
                                   "its speed_m_s")
@@ -254,9 +258,10 @@ def references_of(folder, lines, choices):
         done = displacement.reconstruct(signal.values, signal.rate, speed,
                                         doubtful=signal.doubtful, noise=choices.noise)
         if done.misfit > displacement.TRUSTED:
+            hint = f" (is its speed of {speed:g} m/s in km/h?)" if speed > FAST else ""
             raise read.Unreadable(f"{line['file']} cannot be a reference of {name}: its misfit of "
                                   f"{done.misfit:.3g} is above {displacement.TRUSTED:g}, so that "
-                                  "its displacement is wrong")
+                                  f"its displacement is wrong{hint}")
         found.append(trains.Reference.of_passage(name, done.displacement, signal.rate, speed))
     return found
 

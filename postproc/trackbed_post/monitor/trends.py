@@ -1,10 +1,10 @@
 """Change of peak and indicators over many passages: per month and per degree, and alarms.
 
-Indicators grow with the speed: of each train only passages at similar speeds count. If they are
-enough, a line is fitted over time and temperature, robustly, as single
-passages may be far off (soft L1 loss of scipy.optimize.least_squares). An alarm needs that the
-latest passages differ from the first ones by more than a part of these and by more than the scatter
-explains; temperature is taken out before.
+Indicators grow with the speed: of each train only passages at similar speeds count, and what their
+speed may explain is taken out. If they are enough, a line is fitted over time and temperature,
+robustly, as single passages may be far off (soft L1 loss of scipy.optimize.least_squares). An alarm
+needs that the latest passages differ from the first ones by more than a part of these and by more
+than the scatter explains; temperature is taken out before.
 """
 import dataclasses
 import datetime
@@ -20,7 +20,8 @@ QUANTITIES = {"peak_mm": "largest displacement (mm)",
               "acceleration_m_s2": "indicator of acceleration (m/s2)"}
 AVERAGED = 7      # passages in a mean or median, as in the thesis
 LEAST = 2 * AVERAGED
-SIMILAR = 0.1     # largest difference of a speed from the median of the train's, relative to it
+SIMILAR = 0.1     # largest difference of a speed from the usual one, relative to it
+FASTER = 0.01     # relative, of the slowest and the fastest tenth, or speed is left out
 WARMER = 5.0      # degrees between the coldest and the warmest tenth, or temperature is left out
 CHANGED = 0.2     # least change of the latest median, relative to the first
 ERRORS = 4.0      # least change over its standard error
@@ -55,23 +56,49 @@ def days_of(begins):
         return np.full(len(begins), math.nan)
 
 
+def usual_speed(speeds):
+    """The one with the most others within SIMILAR of it."""
+    return max(speeds, key=lambda one: np.sum(np.abs(speeds - one) <= SIMILAR * one))
+
+
 def trends(table):
     """Trends of a table of passages (figures.table_of), sorted by their begin."""
     found = []
     for train in sorted(set(table["train"]) - {"unknown"}):
-        rows = (table["train"] == train) & (table["misfit"] <= displacement.TRUSTED)
+        rows = ((table["train"] == train) & (table["misfit"] <= displacement.TRUSTED)
+                & np.isfinite(table["speed_m_s"]))
         if rows.any():
-            usual = np.median(table["speed_m_s"][rows])
+            usual = usual_speed(table["speed_m_s"][rows])
             rows &= np.abs(table["speed_m_s"] - usual) <= SIMILAR * usual
         if rows.sum() < LEAST:
             continue
         days, warmth = days_of(table["begin"][rows]), table["temperature_C"][rows]
-        found += [trend(train, quantity, table[quantity][rows], days, warmth)
-                  for quantity in QUANTITIES]
+        found += [trend(train, quantity, table[quantity][rows], days, warmth,
+                        table["speed_m_s"][rows]) for quantity in QUANTITIES]
     return found
 
 
-def trend(train, quantity, values, days, warmth):
+def fitted(columns, values):
+    """Factors of the columns by a robust fit."""
+    system = np.column_stack(columns)
+    scale = np.median(np.abs(values - np.median(values))) or 1.0
+    start = np.zeros(len(columns))
+    start[0] = np.median(values)
+    return scipy.optimize.least_squares(lambda x: (system @ x - values) / scale, start,
+                                        loss="soft_l1").x
+
+
+def without_speed(values, speeds):
+    """Values less all that the speed may explain, also where it changes together with the time: a
+    drift of the speed is no change of the track."""
+    if np.ptp(np.quantile(speeds, (0.1, 0.9))) < FASTER * speeds.mean():
+        return values
+    faster = speeds - speeds.mean()
+    return values - fitted([np.ones(len(values)), faster], values)[1] * faster
+
+
+def trend(train, quantity, values, days, warmth, speeds):
+    values = without_speed(values, speeds)
     dated = bool(np.all(np.isfinite(days)) and np.ptp(days) > 0)
     time = days / MONTH if dated else np.arange(len(values))
     columns = [np.ones(len(values)), time - time.mean()]
@@ -79,12 +106,8 @@ def trend(train, quantity, values, days, warmth):
                  np.ptp(np.quantile(warmth, (0.1, 0.9))) >= WARMER)
     if known:
         columns.append(warmth - warmth.mean())
-    system, scale = np.column_stack(columns), np.median(np.abs(values - np.median(values))) or 1.0
-    start = np.zeros(len(columns))
-    start[0] = np.median(values)
-    fit = scipy.optimize.least_squares(lambda x: (system @ x - values) / scale, start,
-                                       loss="soft_l1").x
-    residual = values - system @ fit
+    fit = fitted(columns, values)
+    residual = values - np.column_stack(columns) @ fit
     scatter = 1.4826 * float(np.median(np.abs(residual)))  # of a normal distribution
     level = values - (fit[-1] * columns[-1] if known else 0)
     first, latest = np.median(level[:AVERAGED]), np.median(level[-AVERAGED:])

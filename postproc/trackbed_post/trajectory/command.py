@@ -10,7 +10,6 @@ from trackbed_post.settlement.command import rows_as_csv
 from trackbed_post.trajectory import contact, profiles, scan
 
 SECTIONS = 10e-3, 1e-3  # m along and across, of the sections written
-ROWS = 5e-3             # m, between rows of an irregularity
 SHOWN = 7               # sections drawn
 
 
@@ -31,20 +30,19 @@ class Choices:
 
 
 def prepared(path, choices):
-    """(grid of the scan, remarks on what was done)."""
-    points = scan.load(path, choices.unit)
-    kept = scan.cleaned(points)
-    remarks = [f"{path.name}: {len(points)} points, of which {len(points) - len(kept)} were left "
-               "out as outliers"]
+    """(grid of the scan, its holes, remarks on what was done)."""
+    points, remarks = scan.load(path, choices.unit), []
     if choices.marks:
-        kept, remains = scan.turned(kept, *scan.marks(choices.marks))
+        points, remains = scan.turned(points, *scan.marks(choices.marks))
         remarks.append(f"turned into the frame of the track; the marks differ by "
                        f"{1e3 * remains:.3g} mm (root mean square)")
+    kept = scan.cleaned(points)
+    remarks.append(f"{path.name}: {len(points)} points, of which {len(points) - len(kept)} were "
+                   "left out as outliers")
     grid = scan.gridded(kept)
-    holes = 100 * np.mean(~np.isfinite(grid.z))
-    remarks.append(f"grid of {len(grid.x)} x {len(grid.y)} places, {holes:.3g} % of them further "
-                   f"than {1e3 * scan.HOLE:g} mm from all points")
-    return scan.smoothed(grid), remarks
+    remarks.append(f"grid of {len(grid.x)} x {len(grid.y)} places; nothing is known further than "
+                   f"{1e3 * scan.hole_of(kept):.2g} mm from the next point")
+    return scan.smoothed(grid), scan.holes(grid), remarks
 
 
 def table_of(paths, choices):
@@ -67,10 +65,10 @@ def draw(grid, paths, choices):
         section.plot(1e3 * grid.y, 1e3 * grid.z[row], lw=1, color=plt.cm.viridis(shade),
                      label=f"x = {1e3 * grid.x[row]:.0f} mm")
     for number, path in enumerate(paths):
-        x, z = path.in_track(choices.origin, choices.trailing)
-        height.plot(x, 1e3 * z, color=f"C{number % 8}", label=path.name)
-        y = path.contact[::-1] if choices.trailing else path.contact
-        place.plot(x, 1e3 * y, color=f"C{number % 8}")
+        sign = -1 if choices.trailing else 1
+        x = choices.origin + sign * path.x
+        height.plot(x, 1e3 * path.irregularity(), color=f"C{number % 8}", label=path.name)
+        place.plot(x, 1e3 * path.contact, color=f"C{number % 8}")
     section.set(xlabel="y across the scan (mm)", ylabel="height (mm)")
     height.set(ylabel="path of the wheel (mm)", xlabel="x along the track, trains run to larger x "
                "(m)")
@@ -91,22 +89,28 @@ def sections_as_csv(grid):
                                                for i, j in places])
 
 
+def name_of_file(path):
+    """Of a path, without signs: -3 mm is minus_3_mm."""
+    return "irregularity_" + re.sub(r"\W+", "_", path.name.replace("-", "minus_")) + ".csv"
+
+
 def trajectory(path, folder, choices):
     """Irregularities, sections, a table and a picture of a scan into a write.Folder."""
     wheels = [profiles.of(word) for word in choices.wheels]
-    grid, remarks = prepared(path, choices)
-    several = len(choices.laterals) > 1
-    paths = [contact.roll(grid, wheel, y, choices.radius, choices.side,
-                          f"{wheel.name} at {1e3 * y:g} mm" if several else wheel.name)
-             for wheel in wheels for y in choices.laterals]
-    names = [re.sub(r"\W+", "_", one.name) for one in paths]
-    if len(set(names)) < len(names):
+    grid, holes, remarks = prepared(path, choices)
+    several, paths = len(choices.laterals) > 1, []
+    for wheel in wheels:
+        for y in choices.laterals:
+            one = contact.roll(grid, wheel, y, choices.radius, choices.side,
+                               f"{wheel.name} at {1e3 * y:g} mm" if several else wheel.name)
+            paths.append(one)
+            remarks += contact.warnings(one, grid, holes, wheel, y, choices.side)
+    if len(set(map(name_of_file, paths))) < len(paths):
         raise read.Unreadable("two wheels have the same name and lateral position: give each once")
-    every = max(int(round(ROWS / (grid.x[1] - grid.x[0]))), 1)
-    for name, one in zip(names, paths):
-        rows = zip(*(of[::every] for of in one.in_track(choices.origin, choices.trailing)))
-        folder.file(f"irregularity_{name}.csv", rows_as_csv(
-            ("x_m", "z_m"), [(round(float(x), 6), round(float(z), 8)) for x, z in rows]))
+    for one in paths:
+        rows = zip(*one.rows(choices.origin, choices.trailing))
+        folder.file(name_of_file(one), rows_as_csv(
+            ("x_m", "z_m"), [(round(float(x), 6), round(float(z), 8) + 0.0) for x, z in rows]))
     folder.file("sections.csv", sections_as_csv(grid))
     folder.remarks += remarks
     folder.table("trajectory.txt", table_of(paths, choices))

@@ -11,6 +11,10 @@ from trackbed_post import read
 
 SPAN = 0.1    # m, over which the slopes before and behind a kink are averaged
 MOVED = 5e-3  # m, by which the contact jumps from the wing rail to the nose, at least
+ROWS = 5e-3   # m, between rows of an irregularity
+GAP = 0.02    # m, longest stretch of x without any scanned surface below the wheel
+NEAR = 5e-3   # m, from the contact: a hole there may hide a higher surface
+EDGE = 1e-3   # m, from the edge of the scan or of the profile
 
 
 @dataclasses.dataclass(frozen=True)
@@ -26,12 +30,13 @@ class Path:
         line = np.interp(self.x, self.x[[0, -1]], self.z[[0, -1]])
         return self.z - line
 
-    def in_track(self, origin=0.0, trailing=False):
-        """(x in the track, ascending; irregularity), m; `origin`: x of the scan's origin;
-        `trailing`: trains run to smaller x of the scan."""
-        if trailing:
-            return origin - self.x[::-1], self.irregularity()[::-1]
-        return origin + self.x, self.irregularity()
+    def rows(self, origin=0.0, trailing=False):
+        """(x in the track, ascending; irregularity), m, about every ROWS from end to end; `origin`:
+        x of the scan's origin; `trailing`: trains run to smaller x of the scan."""
+        count = max(int(round((self.x[-1] - self.x[0]) / ROWS)), 1) + 1
+        x = np.linspace(self.x[0], self.x[-1], count)
+        z = np.interp(x, self.x, self.irregularity())
+        return (origin - x[::-1], z[::-1]) if trailing else (origin + x, z)
 
     def transition(self):
         """x at which the contact jumps most, m; nan if it does not jump."""
@@ -70,24 +75,54 @@ def sections(grid, profile, lateral, side=1):
 
 def roll(grid, profile, lateral=0.0, radius=0.46, side=1, name=""):
     """Path of a wheel that touches the highest of all sections below it: at x the section at x + d
-    lifts it to its own height less the height of the wheel's circle there."""
+    lifts it to its own height less the height of the wheel's circle there. Raises read.Unreadable
+    if nothing is known below the wheel over more than GAP."""
     height, y = sections(grid, profile, lateral, side)
     known = np.flatnonzero(np.isfinite(height))
-    if not len(known):
+    if len(known) < 2:
         raise read.Unreadable(f"the wheel at y = {lateral:g} m has no scanned surface below it")
     x, height, y = (of[known[0]:known[-1] + 1] for of in (grid.x, height, y))
+    step = x[1] - x[0]
+    known -= known[0]
+    longest = int(np.argmax(np.diff(known)))
+    begin, end = x[known[longest]], x[known[longest + 1]]
+    if end - begin > GAP + step:
+        raise read.Unreadable(f"nothing was scanned below the wheel at y = {lateral:g} m from x = "
+                              f"{begin:.4g} to {end:.4g} m; at most {GAP:g} m may be missing")
     height = np.where(np.isfinite(height), height, -np.inf)
-    step, drop = grid.x[1] - grid.x[0], np.ptp(height[np.isfinite(height)])
+    drop = np.ptp(height[known])
     # Sections further away would need a larger difference in height to touch, unless nothing is
-    # known between.
-    hole = int(np.diff(np.flatnonzero(np.isfinite(height)), prepend=-1).max())
-    reach = min(int(np.sqrt(max(2 * radius * drop - drop**2, 0)) / step) + hole, len(x) - 1)
+    # known between; none further away than the radius touches.
+    reach = radius if drop > radius else np.sqrt(drop * (2 * radius - drop))
+    reach = min(int(max(reach, end - begin) / step) + 1, int(radius / step), len(x) - 1)
     z, contact = height.copy(), y.copy()
     for k in range(1, reach + 1):
-        lowered = radius - np.sqrt(max(radius**2 - (k * step)**2, 0))
+        lowered = radius - np.sqrt(radius**2 - (k * step)**2)
         for here, there in ((slice(k, None), slice(None, -k)), (slice(None, -k), slice(k, None))):
             lifted = height[there] - lowered
             higher = lifted > z[here]
             z[here] = np.where(higher, lifted, z[here])
             contact[here] = np.where(higher, y[there], contact[here])
     return Path(name or profile.name, x, z, contact)
+
+
+def warnings(path, grid, holes, profile, lateral, side=1):
+    """Sentences on what may make the path wrong: contacts near holes (scan.holes), at the edge of
+    the scan, at the end of the profile or on the tip of the flange."""
+    found, s = [], side * (path.contact - lateral)
+    tip = profile.s[np.argmax(profile.grown)]
+
+    def add(wrong, what):
+        if wrong.any():
+            x = path.x[wrong]
+            found.append(f"{path.name}: {what} between x = {x[0]:.4g} and {x[-1]:.4g} m of the "
+                         "scan: its path may be wrong there")
+    for x, y, length, width in holes:
+        add((np.abs(path.x - x) < length / 2) & (np.abs(path.contact - y) < width / 2 + NEAR),
+            f"the contact is beside a hole of {1e3 * length:.0f} x {1e3 * width:.0f} mm")
+    add((path.contact < grid.y[0] + EDGE) | (path.contact > grid.y[-1] - EDGE),
+        "the contact is at the edge of the scan")
+    add((s < profile.s[0] + EDGE) | (s > profile.s[-1] - EDGE),
+        "the contact is at the end of the profile")
+    add(np.abs(s - tip) < NEAR, "the wheel stands on its flange")
+    return found

@@ -11,7 +11,8 @@ import pathlib
 
 import numpy as np
 
-from trackbed_post import measured, read
+from trackbed_post import read
+from trackbed_post.trajectory import scan
 
 # Zones of S1002 with a flange of 28 mm (EN 13715, UIC 510-2), of the field side first: s from which
 # a zone begins and its curve, mm. A polynomial has its coefficients from the constant on; an arc
@@ -70,17 +71,8 @@ def _hollow(name, depth):
 
 
 def _of_file(path):
-    names, table = measured.table_of(path)
-    columns = {}
-    for name, column in zip(names, table.T):
-        factor, unit = measured.unit_of(name)
-        columns[name.rpartition("_")[0]] = factor * column
-        if unit != "m":
-            raise read.Unreadable(f"{path}: column {name} must be a length (s_mm, growth_mm)")
-    if set(columns) != {"s", "growth"}:
-        raise read.Unreadable(f"{path} must have the columns s and growth with their units (s_mm, "
-                              f"growth_mm); it has {', '.join(names)}")
-    if len(table) < 2 or np.any(np.diff(columns["s"]) <= 0) or not np.isfinite(table).all():
+    columns = scan.lengths_of(path, ("s", "growth"))
+    if len(columns["s"]) < 2 or np.any(np.diff(columns["s"]) <= 0):
         raise read.Unreadable(f"{path}: a profile needs two rows or more in ascending s")
     return Profile(path.stem, columns["s"], columns["growth"])
 

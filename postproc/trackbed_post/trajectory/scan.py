@@ -1,4 +1,4 @@
-"""Scanned rails: points are cleaned, turned into the frame of the track, put on a grid and
+"""Scanned rails: points are turned into the frame of the track, cleaned, put on a grid and
 smoothed.
 
     points = scan.load("crossing.csv")                  # or .stl; m, [point, x y z]
@@ -6,6 +6,7 @@ smoothed.
     grid = scan.smoothed(grid)
 """
 import dataclasses
+import math
 import pathlib
 
 import numpy as np
@@ -15,7 +16,7 @@ import scipy.spatial
 from trackbed_post import measured, read
 
 NEIGHBOURS = 8        # of a point, with which it is compared
-FAR = 4.0             # an outlier's distance from them, over the median of all points
+FAR = 4.0             # an outlier's distance from them, over the median of theirs
 # m; and median deviations of the neighbours from their median: an outlier's height above or below
 # this median exceeds the sum. Slopes have large median deviations.
 HIGH, SPREADS = 0.5e-3, 3.0
@@ -23,8 +24,13 @@ HIGH, SPREADS = 0.5e-3, 3.0
 # monitoring of railway switches and crossings", 4.1.1.
 ALONG, ACROSS = 1e-3, 1e-4
 MEAN_ALONG, MEAN_ACROSS = 20e-3, 2e-3
-HOLE = 3e-3           # m, to the nearest point: further away nothing is known
+# To the nearest point: further away nothing is known. In spacings of the points, m at most.
+HOLE, LONGEST_HOLE = 3.0, 3e-3
 LARGEST = 50_000_000  # cells of a grid
+OUT = 0.05            # part of the points: if more are outliers, the scan is another thing
+SIDES = 1e-3          # m, of the triangles of an STL file between points
+OFF = 1e-3            # m, root mean square of what marks may differ by
+FLAT = 0.02           # m, least extent of the marks in the second direction
 
 
 @dataclasses.dataclass(frozen=True)
@@ -35,52 +41,83 @@ class Grid:
     z: np.ndarray
 
 
-def _of_csv(path):
+def lengths_of(path, wanted):
+    """{name: column, m} of a CSV with these columns of lengths and others, which are left out."""
     names, table = measured.table_of(path)
     columns = {}
     for name, column in zip(names, table.T):
+        stem = name.rpartition("_")[0]
+        if stem not in wanted:
+            continue
         factor, unit = measured.unit_of(name)
         if unit != "m":
-            raise read.Unreadable(f"{path}: column {name} must be a length (x_mm, y_mm, z_mm)")
-        columns[name.rpartition("_")[0]] = factor * column
-    if missing := [axis for axis in "xyz" if axis not in columns]:
-        raise read.Unreadable(f"{path} has no column {', '.join(missing)} with a unit (x_mm, y_mm, "
-                              f"z_mm); it has {', '.join(names)}")
-    return np.stack([columns[axis] for axis in "xyz"], axis=1)
+            raise read.Unreadable(f"{path}: column {name} must be a length ({stem}_mm, {stem}_m)")
+        if stem in columns:
+            raise read.Unreadable(f"{path} has two columns of {stem}")
+        columns[stem] = factor * column
+    if missing := [stem for stem in wanted if stem not in columns]:
+        raise read.Unreadable(f"{path} has no column {', '.join(missing)} with a unit of length "
+                              f"({missing[0]}_mm); it has {', '.join(names)}")
+    if not np.isfinite(list(columns.values())).all():
+        raise read.Unreadable(f"{path}: some values are not numbers")
+    return columns
+
+
+def _of_csv(path):
+    return np.stack(list(lengths_of(path, ("x", "y", "z")).values()), axis=1)
 
 
 def _of_stl(path, unit):
-    """Corners of the triangles of a binary STL file, which has no unit."""
+    """Points of the triangles of a binary STL file, which has no unit: corners, and others between
+    them if they are more than SIDES apart."""
     data = path.read_bytes()
     count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
     if len(data) != 84 + 50 * count:
         raise read.Unreadable(f"{path} is no binary STL file; an ASCII one can be converted, or "
                               "give points as CSV (x_mm, y_mm, z_mm)")
     triangle = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
-    corners = np.frombuffer(data, triangle, count, 84)["corners"].reshape(-1, 3)
-    return unit * np.unique(corners, axis=0).astype(float)
+    corners = unit * np.frombuffer(data, triangle, count, 84)["corners"].astype(float)
+    if not np.isfinite(corners).all():
+        raise read.Unreadable(f"{path}: some values are not numbers")
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1, initial=0)
+    parts = np.maximum(np.ceil(sides / SIDES), 1)
+    if parts @ parts > LARGEST:
+        raise read.Unreadable(f"{path} has triangles with sides of up to {sides.max():.3g} m: is "
+                              "the unit right (--unit)?")
+    points = []
+    for part in np.unique(parts).astype(int):
+        of = corners[parts == part]
+        for i in range(part + 1):
+            for j in range(part + 1 - i):
+                points.append((i * of[:, 0] + j * of[:, 1] + (part - i - j) * of[:, 2]) / part)
+    return np.unique(np.concatenate(points), axis=0) if points else np.empty((0, 3))
 
 
 def load(path, unit=1e-3):
     """Points of a CSV or STL file, m; `unit`: that of an STL file, m."""
     path = pathlib.Path(path)
     points = _of_stl(path, unit) if path.suffix.lower() == ".stl" else _of_csv(path)
-    if len(points) <= NEIGHBOURS or not np.isfinite(points).all():
-        raise read.Unreadable(f"{path}: a scan needs more than {NEIGHBOURS} points, all of them "
-                              "numbers")
+    if len(points) <= 2 * NEIGHBOURS:
+        raise read.Unreadable(f"{path}: a scan needs more than {2 * NEIGHBOURS} points")
     return points
 
 
 def cleaned(points):
-    """Without points that are much further from their neighbours than most, or much higher or lower
-    than their neighbours in plan."""
-    distance = scipy.spatial.cKDTree(points).query(points, NEIGHBOURS + 1)[0][:, -1]
-    points = points[distance <= FAR * np.median(distance)]
-    around = scipy.spatial.cKDTree(points[:, :2]).query(points[:, :2], NEIGHBOURS + 1)[1][:, 1:]
-    heights = points[around, 2]
-    middle = np.median(heights, axis=1)
-    spread = np.median(np.abs(heights - middle[:, None]), axis=1)
-    return points[np.abs(points[:, 2] - middle) <= HIGH + SPREADS * spread]
+    """Without points that are much further from their neighbours than these are from theirs, or
+    much higher or lower than their neighbours in plan."""
+    distance, near = scipy.spatial.cKDTree(points).query(points, NEIGHBOURS + 1)
+    distance = distance[:, -1]
+    kept = points[distance <= FAR * np.median(distance[near[:, 1:]], axis=1)]
+    if len(kept) > NEIGHBOURS:
+        around = scipy.spatial.cKDTree(kept[:, :2]).query(kept[:, :2], NEIGHBOURS + 1)[1][:, 1:]
+        heights = kept[around, 2]
+        middle = np.median(heights, axis=1)
+        spread = np.median(np.abs(heights - middle[:, None]), axis=1)
+        kept = kept[np.abs(kept[:, 2] - middle) <= HIGH + SPREADS * spread]
+    if len(kept) < (1 - OUT) * len(points):
+        raise read.Unreadable(f"{len(points) - len(kept)} of {len(points)} points are outliers: is "
+                              "z upwards, seen from above, and is the unit right?")
+    return kept
 
 
 def turned(points, scanned, true):
@@ -89,52 +126,83 @@ def turned(points, scanned, true):
     m."""
     scanned, true = np.asarray(scanned, float), np.asarray(true, float)
     middle, wanted = scanned.mean(axis=0), true.mean(axis=0)
-    if len(scanned) < 3 or min(np.linalg.matrix_rank(of - of.mean(axis=0), tol=1e-6)
-                               for of in (scanned, true)) < 2:
-        raise read.Unreadable("marks: three or more are needed that do not lie on a line")
+    if len(scanned) < 3 or min(np.linalg.svd(of - of.mean(axis=0), compute_uv=False)[1]
+                               for of in (scanned, true)) < FLAT:
+        raise read.Unreadable("marks: three or more are needed, and at least one must be "
+                              f"{1e3 * FLAT:g} mm and more beside the line through the others")
     rotation, _ = scipy.spatial.transform.Rotation.align_vectors(true - wanted, scanned - middle)
     remains = rotation.apply(scanned - middle) + wanted - true
-    return (rotation.apply(points - middle) + wanted,
-            float(np.sqrt(np.mean(np.sum(remains**2, axis=1)))))
+    off = float(np.sqrt(np.mean(np.sum(remains**2, axis=1))))
+    if off > OFF:
+        raise read.Unreadable(f"marks: the scanned places differ from the true ones by "
+                              f"{1e3 * off:.3g} mm (root mean square, at most {1e3 * OFF:g}) after "
+                              "the best turn; are units and axes right?")
+    return rotation.apply(points - middle) + wanted, off
 
 
 def marks(path):
-    """(scanned places, true places) of a CSV with the columns x y z and true_x true_y true_z."""
-    names, table = measured.table_of(path)
-    columns = {name.rpartition("_")[0]: measured.unit_of(name)[0] * column
-               for name, column in zip(names, table.T)}
-    wanted = [f"{which}{axis}" for which in ("", "true_") for axis in "xyz"]
-    if set(columns) != set(wanted):
-        raise read.Unreadable(f"{path} must have the columns {', '.join(wanted)} with their units "
-                              f"(x_mm, true_x_m); it has {', '.join(names)}")
-    places = np.stack([columns[name] for name in wanted], axis=1)
+    """(scanned places, true places), m, of a CSV with the columns x y z and true_x true_y true_z.
+    """
+    columns = lengths_of(pathlib.Path(path),
+                         [f"{which}{axis}" for which in ("", "true_") for axis in "xyz"])
+    places = np.stack(list(columns.values()), axis=1)
     return places[:, :3], places[:, 3:]
 
 
-def gridded(points, along=ALONG, across=ACROSS, hole=HOLE):
+def hole_of(points):
+    """m, distance from all points beyond which nothing is known: in spacings of the points."""
+    spacing = np.median(scipy.spatial.cKDTree(points[:, :2]).query(points[:, :2], 2)[0][:, 1])
+    return min(max(HOLE * float(spacing), ACROSS), LONGEST_HOLE)
+
+
+def gridded(points, along=ALONG, across=ACROSS):
     """Heights of the nearest points in plan."""
-    (x_low, y_low), (x_high, y_high) = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
-    x = np.arange(np.ceil(x_low / along), np.floor(x_high / along) + 1) * along
-    y = np.arange(np.ceil(y_low / across), np.floor(y_high / across) + 1) * across
-    if len(x) * len(y) > LARGEST or len(x) < 2 or len(y) < 2:
-        raise read.Unreadable(f"the scan of {x_high - x_low:.4g} m by {y_high - y_low:.4g} m would "
-                              f"have {len(x)} x {len(y)} cells of {1e3 * along:g} x "
-                              f"{1e3 * across:g} mm, at most {LARGEST:.3g} are possible; is the "
-                              "unit right?")
-    tree, z = scipy.spatial.cKDTree(points[:, :2]), np.empty((len(x), len(y)))
+    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+    first, last = np.ceil(low / (along, across)), np.floor(high / (along, across))
+    counts = last - first + 1
+    if not 2 <= min(counts) or not math.prod(counts) <= LARGEST:
+        raise read.Unreadable(
+            f"the scan of {high[0] - low[0]:.4g} m by {high[1] - low[1]:.4g} m would have "
+            f"{counts[0]:.4g} x {counts[1]:.4g} cells of {1e3 * along:g} x {1e3 * across:g} mm; "
+            f"possible are at least 2 each and {LARGEST:.3g} in all; is the unit right?")
+    x, y = ((first[k] + np.arange(int(counts[k]))) * step for k, step in enumerate((along, across)))
+    hole, tree = hole_of(points), scipy.spatial.cKDTree(points[:, :2])
+    z = np.empty((len(x), len(y)))
     for row, place in zip(z, x):  # the whole grid at once would fill the memory
         distance, nearest = tree.query(np.stack([np.full(len(y), place), y], axis=1))
         row[:] = np.where(distance <= hole, points[nearest, 2], np.nan)
     return Grid(x, y, z)
 
 
+def holes(grid, least=HOLE * ALONG):
+    """[(x, y, length, width), m] of places without points within the scanned surface, that are at
+    least so long and wide."""
+    found, _ = scipy.ndimage.label(~np.isfinite(grid.z))
+    outside = {*found[0], *found[-1], *found[:, 0], *found[:, -1]}
+    step = grid.x[1] - grid.x[0], grid.y[1] - grid.y[0]
+    places = []
+    for number, (rows, columns) in enumerate(scipy.ndimage.find_objects(found), 1):
+        length, width = (rows.stop - rows.start) * step[0], (columns.stop - columns.start) * step[1]
+        if number not in outside and min(length, width) >= least:
+            places.append((float(grid.x[rows].mean()), float(grid.y[columns].mean()), float(length),
+                           float(width)))
+    return places
+
+
 def smoothed(grid, along=MEAN_ALONG, across=MEAN_ACROSS):
-    """Moving averages along x and y, m, of what is known; holes remain."""
+    """Moving averages along x and y, m, of what is known; holes remain. Without half an average at
+    both ends of x, where it would be one-sided."""
     known = np.isfinite(grid.z)
     values, weights = np.where(known, grid.z, 0.0), known.astype(float)
-    for axis, (length, coordinates) in enumerate(((along, grid.x), (across, grid.y))):
-        count = 2 * int(length / (coordinates[1] - coordinates[0]) / 2) + 1
+    counts = [2 * int(length / (coordinates[1] - coordinates[0]) / 2) + 1
+              for length, coordinates in ((along, grid.x), (across, grid.y))]
+    if len(grid.x) <= counts[0] + 1:
+        raise read.Unreadable(f"the scan is {grid.x[-1] - grid.x[0]:.3g} m long; it must be longer "
+                              f"than {along:g} m, over which heights are averaged")
+    for axis, count in enumerate(counts):
         values, weights = (scipy.ndimage.uniform_filter1d(of, count, axis=axis, mode="constant")
                            for of in (values, weights))
     with np.errstate(invalid="ignore", divide="ignore"):
-        return Grid(grid.x, grid.y, np.where(known, values / weights, np.nan))
+        z = np.where(known, values / weights, np.nan)
+    inner = slice(counts[0] // 2, len(grid.x) - counts[0] // 2)
+    return Grid(grid.x[inner], grid.y, z[inner])

@@ -31,6 +31,13 @@ TEST(Directory, TellsEveryRankThePlaces) {
     EXPECT_EQ(found[k], wanted[k] < total && wanted[k] % 3 == 0 ? place_of(wanted[k]) : -1);
 }
 
+TEST(Directory, TakesTheLeastOfSeveralPlaces) {
+  const std::vector<std::int64_t> numbers{4, 4}, wanted{4};
+  const std::int64_t mine = 10 + Comm::world().rank();
+  const std::vector<std::int64_t> places{mine + 5, mine};
+  EXPECT_EQ(Directory(Comm::world(), numbers, places).places_of(wanted)[0], 10);
+}
+
 TEST(Directory, MayBeEmpty) {
   const Directory directory(Comm::world(), {}, {});
   const std::vector<std::int64_t> wanted{0, 5};
