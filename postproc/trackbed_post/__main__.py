@@ -430,6 +430,10 @@ def parser():
 NEGATIVE = re.compile(r"^-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
 
 
+CONTINUES = (run_monitor, run_sweep)
+STOPPED = 3  # exit code of a command that is ended by Ctrl-C
+
+
 def main(words=None):
     given = parser().parse_args(words)
     try:
@@ -438,6 +442,10 @@ def main(words=None):
     except read.Unreadable as why:
         print(why, file=sys.stderr)
         return why.code
+    except KeyboardInterrupt:
+        print("stopped" + ("; the same command continues it" if given.run in CONTINUES else ""),
+              file=sys.stderr)
+        return STOPPED
     except OSError as error:
         if isinstance(error, BrokenPipeError):  # the reader has ended, as `| head` does
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -2,6 +2,11 @@
 import csv
 import dataclasses
 import datetime
+import os
+import signal
+import subprocess
+import sys
+import time
 
 import conftest
 import numpy as np
@@ -9,7 +14,8 @@ import pytest
 import scipy.signal
 
 from trackbed_post import measured, read
-from trackbed_post.monitor import displacement, figures, indicators, passages, trains, trends
+from trackbed_post.monitor import (command, displacement, figures, indicators, passages, trains,
+                                   trends)
 
 RATE = 5000.0
 BOGIE, CENTRES, LENGTH = 2.9, 17.0, 25.0  # m
@@ -423,6 +429,40 @@ def test_passages_are_recognised_by_a_measured_one(folder, tmp_path):
         (folder / "passages.csv").write_text(content, encoding="utf-8")
         failed = conftest.call(*words[:3], tmp_path / place)
         assert failed.returncode == 2 and why in failed.stderr, failed.stderr
+
+
+def test_two_commands_do_not_write_into_one_folder(folder, tmp_path):
+    (tmp_path / "out").mkdir()
+    words = ("monitor", folder, "-o", tmp_path / "out", "--workers", "1")
+    with command.alone(tmp_path / "out"):
+        ran = conftest.call(*words)
+        assert ran.returncode == 2 and "another monitor command is writing there" in ran.stderr
+    assert conftest.call(*words).returncode == 0
+
+
+def test_ctrl_c_ends_a_batch_that_the_same_command_continues(folder, tmp_path):
+    for number in range(300):
+        os.link(folder / "p0.csv", folder / f"copy_{number}.csv")
+    lines = [f"copy_{number}.csv,30" for number in range(300)]
+    (folder / "passages.csv").write_text("file,speed_m_s\n" + "\n".join(lines) + "\n")
+    table = tmp_path / "out/monitor.csv"
+    words = [sys.executable, conftest.ROOT / "postproc", "monitor", folder, "-o", tmp_path / "out",
+             "--workers", "2"]
+    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True, start_new_session=True) as ran:
+        end = time.monotonic() + 60
+        while not (table.is_file() and table.read_bytes().count(b"\n") > 5):
+            assert time.monotonic() < end and ran.poll() is None
+            time.sleep(0.02)
+        os.killpg(ran.pid, signal.SIGINT)  # as a terminal does
+        _, errors = ran.communicate(timeout=60)
+    assert ran.returncode == 3
+    assert errors == "stopped; the same command continues it\n"
+    done = rows_of(table)
+    assert 5 <= len(done) < 300
+    (folder / "passages.csv").write_text("file,speed_m_s\n" + "\n".join(lines[:len(done)])
+                                         + "\n")
+    assert conftest.call(*words[2:]).returncode == 0
+    assert rows_of(table) == done
 
 
 def test_command_line(folder, tmp_path):

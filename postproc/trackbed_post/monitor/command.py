@@ -1,5 +1,7 @@
 """The command `trackbed_post monitor`."""
+import contextlib
 import csv
+import fcntl
 import io
 import json
 import math
@@ -9,10 +11,28 @@ import numpy as np
 from trackbed_post import measured, read
 from trackbed_post.monitor import figures, passages, trends
 
-TABLE, SETTINGS = "monitor.csv", "monitor.json"
+TABLE, SETTINGS, LOCK = "monitor.csv", "monitor.json", ".lock"
+
+
+@contextlib.contextmanager
+def alone(path):
+    """Refuses a folder into which another command writes its rows."""
+    with open(path / LOCK, "w", encoding="utf-8") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise read.Unreadable(f"{path}: another monitor command is writing there; wait for its "
+                                  "end or choose another folder (-o)") from None
+        yield
 
 
 def monitor(source, folder, runs, choices, workers):
+    """As `evaluate`, while no other command writes into the folder."""
+    with alone(folder.path):
+        evaluate(source, folder, runs, choices, workers)
+
+
+def evaluate(source, folder, runs, choices, workers):
     """Continues the table of passages in a write.Folder and draws its trends and the first passage
     that could be evaluated."""
     if workers < 1:

@@ -14,6 +14,7 @@ import dataclasses
 import math
 import os
 import pathlib
+import signal
 
 import numpy as np
 
@@ -172,6 +173,7 @@ _library = None
 
 def _start(library):
     global _library
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the batch, in the main process
     _library = library
 
 
@@ -232,12 +234,16 @@ def evaluated(folder, lines, library, choices, workers):
     with concurrent.futures.ProcessPoolExecutor(workers, initializer=_start,
                                                 initargs=(library,)) as pool:
         waiting = []
-        for line in lines:
-            waiting.append(pool.submit(_work, folder, line, choices))
-            if len(waiting) >= AHEAD:
-                yield waiting.pop(0).result()
-        for future in waiting:
-            yield future.result()
+        try:
+            for line in lines:
+                waiting.append(pool.submit(_work, folder, line, choices))
+                if len(waiting) >= AHEAD:
+                    yield waiting.pop(0).result()
+            for future in waiting:
+                yield future.result()
+        except KeyboardInterrupt:
+            pool.shutdown(cancel_futures=True)
+            raise
 
 
 def references_of(folder, lines, choices):
