@@ -22,21 +22,25 @@ namespace {
 
 // Polyhedra as their faces, balls as points with a radius, which a viewer shows as spheres. Values
 // are those of cells, since all corners of a stone have the same.
-io::Grid stone_shapes(const dem::Particles& particles) {
+io::Grid stone_shapes(const dem::Particles& particles, double gravity) {
   io::Grid grid;
   io::FieldData radius{"radius", {"m", "of a ball; of the ball around a piece with faces"}, 1, {}},
       velocity{"velocity", {"m/s", "of the stone's centre of mass"}, 3, {}},
       force{"force", {"N", "sum of the contact forces on the stone"}, 3, {}},
+      acceleration{
+          "acceleration", {"m/s2", "of the centre of mass in the last sub-step, no filter"}, 3, {}},
       id{"stone", {"-", "number of the stone"}, 1, {}};
   std::vector<std::int64_t> nodes;
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const dem::ParticleView stone = particles[i];
+    const Vec3 accelerated = stone.acceleration(gravity);
     const auto add = [&](io::CellKind kind) {
       grid.add(kind, nodes);
       id.values.push_back(static_cast<double>(stone.id));
       for (int k = 0; k < 3; ++k) {
         velocity.values.push_back(stone.velocity[k]);
         force.values.push_back(stone.force[k]);
+        acceleration.values.push_back(accelerated[k]);
       }
     };
     particles.outlines(i, [&](const dem::PieceOutline& piece) {
@@ -56,7 +60,7 @@ io::Grid stone_shapes(const dem::Particles& particles) {
     });
   }
   grid.point_data = {std::move(radius)};
-  grid.cell_data = {std::move(velocity), std::move(force), std::move(id)};
+  grid.cell_data = {std::move(velocity), std::move(force), std::move(acceleration), std::move(id)};
   return grid;
 }
 
@@ -234,7 +238,7 @@ void write_fields(const par::Comm& comm, const FieldFiles& files, const Scene& s
     comm.agree(comm.root() ? enter_in_series(series, name, files.time) : "");
   };
   if (scene.stones) {
-    write("stones", [&] { return stone_shapes(scene.particles); });
+    write("stones", [&] { return stone_shapes(scene.particles, scene.gravity); });
     write("contacts", [&] { return contact_lines(scene.particles); });
   }
   if (scene.bonds) write("bonds", [&] { return bond_lines(scene.particles); });

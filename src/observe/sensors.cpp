@@ -160,19 +160,16 @@ std::vector<std::string> Sensors::begin_stage(const std::string& stage, bool usu
   return warnings;
 }
 
-// A stone that is held does not accelerate, whatever its forces.
 std::vector<SensorReading> Sensors::read(const dem::Particles& particles,
                                          const fem::Ground* ground) const {
   Sums sums(OfSensor::quantities);
   const auto add = [&](std::size_t sensor, const dem::ParticleView& stone, const Vec3& from) {
     const Vec3 moved = stone.position - from;
-    const Vec3 acceleration =
-        stone.held ? Vec3::Zero() : Vec3(stone.force / stone.mass - Vec3(0, 0, gravity_));
     sums.add(sensor, OfSensor::stones, 1.0);
     sums.add(sensor, OfSensor::position, stone.position);
     sums.add(sensor, OfSensor::displacement, moved);
     sums.add(sensor, OfSensor::velocity, stone.velocity);
-    sums.add(sensor, OfSensor::acceleration, acceleration);
+    sums.add(sensor, OfSensor::acceleration, stone.acceleration(gravity_));
   };
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const dem::ParticleView stone = particles[i];

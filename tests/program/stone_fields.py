@@ -7,6 +7,7 @@ points with their radius; plates and boxes are surfaces.
 import pathlib
 import shutil
 import sys
+import tomllib
 
 import numpy as np
 
@@ -61,10 +62,25 @@ def check_space(program, source, folder):
         print(f"stone {number:.0f}: {volume / whole:.3f} of its volume within its faces")
         if not 1 - SHORT_OF < volume / whole < 1:
             raise SystemExit(f"stone {number}: {volume} of {whole} m^3 within its faces")
+    check_acceleration(source / "inputs/verify/stack.toml", saved, found)
     surfaces, = (made / "fields").glob("*_surfaces.vtkhdf")
     _, nodes, kinds, found = cells_of(surfaces)
     if set(kinds) != {5} or not set(found["CellData/part"]) <= {0, 1}:
         raise SystemExit(f"surfaces: kinds {set(kinds)}, parts {set(found['CellData/part'])}")
+
+
+def check_acceleration(deck, saved, found):
+    """That of contact forces and weight, for the masses of the checkpoint."""
+    given = tomllib.loads(deck.read_text(encoding="utf-8"))
+    mass = (saved["particles/template/solid"][saved["particles/shape"].ravel(), 0]
+            * saved["particles/scale"].ravel()**3 * given["material"][0]["density"])
+    of_stone = dict(zip(saved["particles/id"].ravel(), mass))
+    masses = np.array([of_stone[number] for number in found["CellData/stone"].ravel()])
+    force = found["CellData/force"].reshape(-1, 3)
+    wanted = force / masses[:, None] - [0, 0, 9.81]
+    if not np.abs(force).max() > 0 or not np.allclose(
+            found["CellData/acceleration"].reshape(-1, 3), wanted, rtol=1e-9, atol=1e-12):
+        raise SystemExit(f"accelerations {found['CellData/acceleration']}, wanted {wanted} m/s2")
 
 
 def check_balls(program, source, folder):

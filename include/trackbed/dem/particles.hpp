@@ -75,6 +75,11 @@ struct ParticleView {
   Vec3 angular_momentum;  // kg m^2/s, about the centre of mass, in space axes
   bool held;
   bool fragment;  // it broke off another particle
+  // m/s^2, of the centre of mass, without damping by the surroundings; a particle that is held does
+  // not accelerate, whatever its forces.
+  Vec3 acceleration(double gravity) const {
+    return held ? Vec3(Vec3::Zero()) : Vec3(force / mass - Vec3(0, 0, gravity));
+  }
 };
 
 // A piece in space, for pictures. Its corners lie on the rounded surface; a ball or a segment has

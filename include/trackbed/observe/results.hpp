@@ -35,6 +35,7 @@ struct Scene {
   fem::Ground* ground = nullptr;  // not changed: its top() is only read
   const track::Sleepers* sleepers = nullptr;
   const fem::Bodies* bodies = nullptr;      // solid sleepers and rails
+  double gravity = 0;                       // m/s2, downward
   bool stones = true;                       // whether the model can have stones
   bool breaks = false;                      // whether their corners break
   bool bonds = false;                       // whether they can have bonds

@@ -228,6 +228,7 @@ observe::Scene World::scene() {
           .ground = ground ? &*ground : nullptr,
           .sleepers = sleepers && sleepers->placed() ? &*sleepers : nullptr,
           .bodies = solids && solids->placed() ? &solids->bodies() : nullptr,
+          .gravity = model.dem.gravity,
           .stones = model.has_stones(),
           .breaks = model.breakage.any(),
           .bonds = !model.bonds.empty(),
