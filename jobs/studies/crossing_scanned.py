@@ -15,7 +15,7 @@ from .study import INPUTS, Run, Target
 
 from trackbed_post import measured  # noqa: I001 (found by .study)
 from trackbed_post.monitor import greens, indicators, inverse
-from trackbed_post.trajectory import contact, profiles, scan
+from trackbed_post.trajectory import command, contact, profiles, scan
 
 DECK, SCAN = "track/crossing_panel.toml", "track/crossing_scan.py"
 PADS = {"60E": 60e6, "UIC60": 1200e6}  # N/m
@@ -45,7 +45,8 @@ def prepare(program, folder):
     kept = folder / "scanned.key"
     sources = [pathlib.Path(program), INPUTS / DECK, INPUTS / SCAN,
                pathlib.Path(__file__), *(pathlib.Path(module.__file__)
-                                         for module in (contact, measured, profiles, scan))]
+                                         for module in (command, contact, measured, profiles,
+                                                        scan))]
     key = "\n".join(hashlib.sha256(path.read_bytes()).hexdigest() for path in sources)
     if kept.is_file() and kept.read_text(encoding="utf-8") == key:
         return
@@ -65,7 +66,7 @@ def write_paths(folder):
     made = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(made)
     made.write(folder / "scan.csv")
-    grid = scan.smoothed(scan.gridded(scan.cleaned(scan.load(folder / "scan.csv"))))
+    grid, _, _ = command.prepared(folder / "scan.csv", command.Choices())
     for wheel in WHEELS:
         path = contact.roll(grid, profiles.of(wheel))
         for move, origin in ORIGINS.items():

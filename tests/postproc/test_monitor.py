@@ -14,8 +14,7 @@ import pytest
 import scipy.signal
 
 from trackbed_post import measured, read
-from trackbed_post.monitor import (command, displacement, figures, indicators, passages, trains,
-                                   trends)
+from trackbed_post.monitor import displacement, figures, indicators, passages, trains, trends
 
 RATE = 5000.0
 BOGIE, CENTRES, LENGTH = 2.9, 17.0, 25.0  # m
@@ -385,12 +384,30 @@ def test_a_drift_of_the_speed_is_no_alarm(power):
         assert one.passages == 200 and not one.alarm and abs(one.change) < 0.1
 
 
-def test_of_two_usual_speeds_the_more_frequent_one_counts():
+@pytest.mark.parametrize("drift", [1, 2])
+def test_growth_is_found_beside_a_drift_of_the_speed(drift):
+    table = history(2, 0.5)
+    for one in trends.trends(table | {"speed_m_s": 50 + drift * np.linspace(-0.5, 0.5, 200)}):
+        assert one.alarm
+
+
+def test_of_several_usual_speeds_the_most_frequent_one_counts():
     table = history(1, 0.0)
-    speeds = np.where(np.arange(200) % 5 < 2, 40.0, 60.0)
-    speeds[7] = np.nan
+    speeds = np.array([40.0, 40.0, 50.0, 60.0, 60.0, 60.0] * 34)[:200]  # the median is 50 or 60
+    speeds[[1, 7]] = 50, np.nan
     found = trends.trends(table | {"speed_m_s": speeds})
     assert [one.passages for one in found] == [np.sum(speeds == 60.0)] * 3
+
+
+def test_passages_without_a_number_a_date_or_a_temperature_are_left_out():
+    table = history(3, 0.0)
+    table["temperature_C"][5] = np.nan
+    table["begin"][6] = ""
+    table["acceleration_m_s2"] = table["acceleration_m_s2"].copy()
+    table["acceleration_m_s2"][7] = np.nan
+    for one in trends.trends(table):
+        assert one.passages == 197 and one.per_degree == pytest.approx(0.1, abs=0.03)
+        assert not one.alarm and np.isfinite(one.per_month)
 
 
 def test_trends_need_passages_and_dates():
@@ -434,10 +451,31 @@ def test_passages_are_recognised_by_a_measured_one(folder, tmp_path):
 def test_two_commands_do_not_write_into_one_folder(folder, tmp_path):
     (tmp_path / "out").mkdir()
     words = ("monitor", folder, "-o", tmp_path / "out", "--workers", "1")
-    with command.alone(tmp_path / "out"):
+    hold = ("import sys; sys.path.insert(0, sys.argv[1])\n"
+            "from trackbed_post.monitor import command\n"
+            "with command.alone(__import__('pathlib').Path(sys.argv[2])):\n"
+            "    print('held', flush=True); sys.stdin.read()")
+    with subprocess.Popen([sys.executable, "-c", hold, conftest.ROOT / "postproc",
+                           tmp_path / "out"], stdin=subprocess.PIPE,
+                          stdout=subprocess.PIPE) as other:
+        assert other.stdout.readline() == b"held\n"
         ran = conftest.call(*words)
         assert ran.returncode == 2 and "another monitor command is writing there" in ran.stderr
+        other.kill()  # as by a queue's limit
     assert conftest.call(*words).returncode == 0
+    assert not (folder / ".lock").exists()
+
+
+def test_changed_lines_are_evaluated_again(folder, tmp_path):
+    words = ("monitor", folder, "-o", tmp_path / "out", "--workers", "1")
+    lines = ["file,begin,speed_m_s", "p0.csv,2026-05-03,30", "p1.csv,2026-05-01,40"]
+    for changed, new in ((lines, 2), (lines, 0), ([*lines[:2], "p1.csv,2026-05-01,41"], 1),
+                         ([*lines[:2], "p1.csv,2026-06-01,41"], 1)):
+        (folder / "passages.csv").write_text("\n".join(changed) + "\n", encoding="utf-8")
+        ran = conftest.call(*words)
+        assert f"{new} passages are new" in ran.stdout, ran.stdout + ran.stderr
+    assert [(row["begin"], row["speed_m_s"]) for row in rows_of(tmp_path / "out/monitor.csv")] == [
+        ("2026-05-03", "30"), ("2026-06-01", "41")]
 
 
 def test_ctrl_c_ends_a_batch_that_the_same_command_continues(folder, tmp_path):

@@ -77,14 +77,29 @@ def test_the_standard_error_of_a_jump_is_that_of_intermittent_sleepers():
 
 
 def test_the_standard_error_does_not_contain_what_a_jump_has_settled():
-    cycles = np.concatenate([np.arange(41), [100], np.arange(101, 141), [400]]).astype(float)
-    jumped = np.isin(cycles, (100, 400))
-    settled = 1e-3 * np.log1p(cycles)[:, None] * np.linspace(0.5, 1.5, 8)
-    settled[cycles >= 100] += 5e-3  # by the jump
+    """A jump of ten cycles, as long as an increment, settles much."""
+    cycles = np.concatenate([np.arange(41), [50], np.arange(51, 91), [400]]).astype(float)
+    jumped = np.isin(cycles, (50, 400))
+    random = np.random.default_rng(1)
+    settled = 1e-3 * np.log1p(cycles)[:, None] + 1e-5 * random.standard_normal((len(cycles), 8))
     stage = np.concatenate([np.full(41, 0), [1], np.full(40, 2), [3]])
-    first, second = course.aims(course.Course(cycles, settled, cycles, stage, jumped),
-                                {"jump": {"cycles": 20, "exponent": 0.0}})
-    assert 0 < second.error < 2 * first.error
+
+    def error(more):
+        return course.aims(course.Course(cycles, settled + more * (cycles >= 50)[:, None]
+                                         * np.arange(8), cycles, stage, jumped),
+                           {"jump": {"cycles": 20, "exponent": 0.0}})[1].error
+    assert error(1e-2) == pytest.approx(error(0.0)) and error(0.0) > 0
+
+
+def test_sleepers_that_settle_evenly_have_no_standard_error():
+    cycles = np.arange(82).astype(float)
+    settled = 1e-3 * np.log1p(cycles)[:, None] * np.linspace(0.5, 1.5, 8)
+    stage = np.array([0] * 81 + [1])
+    one, = course.aims(course.Course(cycles, settled, cycles, stage, stage == 1), {})
+    assert one.error == pytest.approx(0, abs=1e-12) and one.aimed > 0
+    few, = course.aims(course.Course(cycles[:32], settled[:32], cycles[:32],
+                                     np.array([0] * 31 + [1]), np.arange(32) == 31), {})
+    assert np.isnan(few.error)
 
 
 def test_a_good_jump_has_no_error_and_one_too_far_is_found():

@@ -16,11 +16,12 @@ TABLE, SETTINGS, LOCK = "monitor.csv", "monitor.json", ".lock"
 
 @contextlib.contextmanager
 def alone(path):
-    """Refuses a folder into which another command writes its rows."""
+    """Refuses a folder into which another command writes its rows. The lock is this process's own:
+    workers that outlive it do not hold it."""
     with open(path / LOCK, "w", encoding="utf-8") as lock:
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+            fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
             raise read.Unreadable(f"{path}: another monitor command is writing there; wait for its "
                                   "end or choose another folder (-o)") from None
         yield
@@ -28,6 +29,8 @@ def alone(path):
 
 def monitor(source, folder, runs, choices, workers):
     """As `evaluate`, while no other command writes into the folder."""
+    if folder.path.resolve() == source.resolve():
+        raise read.Unreadable(f"{source} has the signals: choose another folder for the results")
     with alone(folder.path):
         evaluate(source, folder, runs, choices, workers)
 
@@ -41,8 +44,6 @@ def evaluate(source, folder, runs, choices, workers):
     if not (0 < min(wavelengths) < 0.9 * max(wavelengths) < math.inf):
         raise read.Unreadable(f"--wavelengths {wavelengths[0]:g} {wavelengths[1]:g}: must be two "
                               "different lengths above 0, m")
-    if folder.path.resolve() == source.resolve():
-        raise read.Unreadable(f"{source} has the signals: choose another folder for the results")
     lines = passages.listed(source)
     keep_settings(folder, source, runs, choices, {
         line["file"]: [line["reference"], line.get("speed_m_s", "")]
@@ -64,7 +65,7 @@ def evaluate(source, folder, runs, choices, workers):
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([trends.NAMES, *map(passages.texts, found)])
     folder.file("trends.csv", text.getvalue())
-    folder.remarks += [f"alarm: {one.quantity} of {one.train} has changed by "
+    folder.remarks += [f"alarm: {one.quantity} of {one.train or 'all trains'} has changed by "
                        f"{100 * one.change:+.0f} %" for one in found if one.alarm]
     first = int(np.flatnonzero(np.isfinite(table["peak_mm"]))[0])
     folder.picture("passage", figures.passage(measured.load(source / str(files[first])),

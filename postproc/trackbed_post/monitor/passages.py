@@ -15,6 +15,8 @@ import math
 import os
 import pathlib
 import signal
+import threading
+import time
 
 import numpy as np
 
@@ -171,9 +173,17 @@ def measure(signal, line, library, choices, found, remarks):
 _library = None
 
 
-def _start(library):
+def _end_with(parent):
+    """Ends this process when its parent has ended, as by SIGKILL."""
+    while os.getppid() == parent:
+        time.sleep(1)
+    os._exit(1)
+
+
+def _start(library, parent):
     global _library
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the batch, in the main process
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     _library = library
 
 
@@ -181,18 +191,33 @@ def _work(folder, line, choices):
     return evaluate(folder, line, _library, choices)
 
 
-def known_rows(path):
+def is_of(row, line):
+    """Whether a row of the table belongs to this line of the list: same begin, temperature and, if
+    it is given, speed."""
+    def differ(given, found):
+        return not (given == found or math.isnan(given) and math.isnan(found))
+    speed = number(line.get("speed_m_s") or "nan", "speed_m_s", line["file"])
+    warmth = number(line.get("temperature_C") or "nan", "temperature_C", line["file"])
+    return (row["begin"] == line.get("begin", "")
+            and not differ(float(f"{warmth:.6g}"), float(row["temperature_C"]))
+            and (math.isnan(speed) or float(f"{speed:.6g}") == float(row["speed_m_s"])))
+
+
+def known_rows(path, lines):
     """Names of the files that the table has already. A last line that is cut off is removed, and so
-    are passages that could not be evaluated: they are tried again."""
+    are passages that could not be evaluated, and those whose line of the list has changed: they are
+    tried again."""
     if not path.is_file():
         return set()
     data = path.read_bytes()
-    lines = data[:data.rfind(b"\n") + 1].decode("utf-8", "replace").splitlines()
-    rows = list(csv.DictReader(lines))
-    if lines and lines[0] != ",".join(NAMES):
+    texts_of = data[:data.rfind(b"\n") + 1].decode("utf-8", "replace").splitlines()
+    rows = list(csv.DictReader(texts_of))
+    if texts_of and texts_of[0] != ",".join(NAMES):
         raise read.Unreadable(f"{path} is no table of passages of this version; choose another "
                               "folder")
-    kept = [row for row in rows if row["peak_mm"] not in ("nan", None)]
+    of_file = {line["file"]: line for line in lines}
+    kept = [row for row in rows if row["peak_mm"] not in ("nan", None)
+            and (row["file"] not in of_file or is_of(row, of_file[row["file"]]))]
     with path.open("w", encoding="utf-8", newline="") as file:
         table = csv.DictWriter(file, NAMES, lineterminator="\n")
         table.writeheader()
@@ -209,7 +234,7 @@ def texts(record):
 def batch(folder, path, library, choices=Choices(), workers=1, report=print):
     """Evaluates the passages of a folder that the table `path` does not have yet; their number."""
     folder, lines = pathlib.Path(folder), listed(pathlib.Path(folder))
-    known = known_rows(path)
+    known = known_rows(path, lines)
     todo = [line for line in lines if line["file"] not in known]
     count = 0
     with path.open("a", encoding="utf-8", newline="") as file:
@@ -232,7 +257,7 @@ def evaluated(folder, lines, library, choices, workers):
             yield evaluate(folder, line, library, choices)
         return
     with concurrent.futures.ProcessPoolExecutor(workers, initializer=_start,
-                                                initargs=(library,)) as pool:
+                                                initargs=(library, os.getpid())) as pool:
         waiting = []
         try:
             for line in lines:

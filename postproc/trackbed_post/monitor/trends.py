@@ -22,6 +22,7 @@ AVERAGED = 7      # passages in a mean or median, as in the thesis
 LEAST = 2 * AVERAGED
 SIMILAR = 0.1     # largest difference of a speed from the usual one, relative to it
 FASTER = 0.01     # relative, of the slowest and the fastest tenth, or speed is left out
+STEEPEST = 3.0    # largest power of the speed with which a quantity grows
 WARMER = 5.0      # degrees between the coldest and the warmest tenth, or temperature is left out
 CHANGED = 0.2     # least change of the latest median, relative to the first
 ERRORS = 4.0      # least change over its standard error
@@ -48,12 +49,17 @@ NAMES = [field.name for field in dataclasses.fields(Trend)]
 
 
 def days_of(begins):
-    """Days since the first date; not numbers if they are no dates of ISO 8601."""
-    try:
-        times = [datetime.datetime.fromisoformat(text) for text in begins]
-        return np.array([(time - times[0]).total_seconds() / 86400 for time in times])
-    except (ValueError, TypeError, IndexError):
-        return np.full(len(begins), math.nan)
+    """Days since the first date; not numbers where they are no dates of ISO 8601."""
+    found = np.full(len(begins), math.nan)
+    first = None
+    for row, text in enumerate(begins):
+        try:
+            time = datetime.datetime.fromisoformat(text)
+            first = first or time
+            found[row] = (time - first).total_seconds() / 86400
+        except (ValueError, TypeError):
+            pass  # of another zone than the first, or no date
+    return found
 
 
 def usual_speed(speeds):
@@ -62,14 +68,18 @@ def usual_speed(speeds):
 
 
 def trends(table):
-    """Trends of a table of passages (figures.table_of), sorted by their begin."""
+    """Trends of a table of passages (figures.table_of), sorted by their begin. Passages without a
+    number are left out, those without date or temperature if enough others are left."""
     found = []
     for train in sorted(set(table["train"]) - {"unknown"}):
         rows = ((table["train"] == train) & (table["misfit"] <= displacement.TRUSTED)
-                & np.isfinite(table["speed_m_s"]))
+                & np.isfinite([table[name] for name in ("speed_m_s", *QUANTITIES)]).all(axis=0))
         if rows.any():
             usual = usual_speed(table["speed_m_s"][rows])
             rows &= np.abs(table["speed_m_s"] - usual) <= SIMILAR * usual
+        for known in (np.isfinite(days_of(table["begin"])), np.isfinite(table["temperature_C"])):
+            if (rows & known).sum() >= max(LEAST, rows.sum() / 2):
+                rows &= known
         if rows.sum() < LEAST:
             continue
         days, warmth = days_of(table["begin"][rows]), table["temperature_C"][rows]
@@ -89,12 +99,17 @@ def fitted(columns, values):
 
 
 def without_speed(values, speeds):
-    """Values less all that the speed may explain, also where it changes together with the time: a
-    drift of the speed is no change of the track."""
+    """Values at the mean speed. They grow with a power of the speed, at most STEEPEST, which takes
+    all that it can explain, also where the speed changes together with the time: a drift of the
+    speed is no change of the track."""
     if np.ptp(np.quantile(speeds, (0.1, 0.9))) < FASTER * speeds.mean():
         return values
-    faster = speeds - speeds.mean()
-    return values - fitted([np.ones(len(values)), faster], values)[1] * faster
+    ratio, usual = speeds / speeds.mean(), np.median(values)
+    scale = np.median(np.abs(values - usual)) or 1.0
+    power = scipy.optimize.least_squares(
+        lambda x: (x[0] * ratio**x[1] - values) / scale, [usual, STEEPEST / 2], loss="soft_l1",
+        bounds=([-np.inf, 0], [np.inf, STEEPEST]), x_scale=[abs(usual) or 1.0, 1.0]).x[1]
+    return values / ratio**power
 
 
 def trend(train, quantity, values, days, warmth, speeds):

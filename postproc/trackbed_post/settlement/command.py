@@ -78,9 +78,12 @@ def table_of(name, found, fits, aims, checks):
     lines += [f"  {fit.name}: {1e3 * fit.begin:.3f} mm + {1e3 * fit.rate:.4g} mm * "
               f"((1 + N)^b - 1)/b with b = {fit.exponent:.3g}; scatter {1e3 * fit.scatter:.2g} mm"
               for fit in fits]
-    lines += [f"  jump from cycle {one.begin:.0f} to {one.end:.0f}: by the law "
-              f"{1e3 * one.aimed:.3f} +- {1e3 * one.error:.3f} mm in the mean (standard error, as "
-              f"settlement is intermittent), in the run {1e3 * one.settled:.3f} mm" for one in aims]
+    for one in aims:
+        error = (f"{1e3 * one.error:.3f} mm" if np.isfinite(one.error)
+                 else "not known (too few cycles)")
+        lines.append(f"  jump from cycle {one.begin:.0f} to {one.end:.0f}: by the law "
+                     f"{1e3 * one.aimed:.3f} mm in the mean, standard error {error}; in the run "
+                     f"{1e3 * one.settled:.3f} mm")
     for check in checks:
         lines.append(f"  jump from cycle {check.begin:.0f} to {check.end:.0f}: "
                      f"{1e3 * check.settled:.3f} mm, true settlement minus this "

@@ -75,9 +75,10 @@ class Aim:
 
 
 def scatter(course, row, exponent):
-    """m2 per unit of the law: variance of the settlement of a sleeper about the common law, of
+    """m2 per unit of the law: variance of the settlement of a sleeper about its own mean rate, of
     computed increments of WINDOW cycles up to `row`. A sleeper rests for many cycles and then
-    moves, so that the variance of an increment grows in proportion to the law."""
+    moves, so that the variance of an increment grows in proportion to the law. Not a number if
+    fewer than three increments are known."""
     ends = np.arange(WINDOW, course.cycles[row] + 0.5, WINDOW)
     at = np.searchsorted(course.cycles[:row + 1], ends)
     grown, law = [], []
@@ -90,27 +91,51 @@ def scatter(course, row, exponent):
                    - laws.law(course.cycles[first], exponent))
     if len(grown) < 3:
         return np.nan
-    grown, law = np.array(grown), np.array(law)
-    rate = grown.mean(axis=1).sum() / law.sum()
-    return float(np.mean((grown - rate * law[:, None])**2 / law[:, None]))
+    grown, law = np.array(grown), np.array(law)[:, None]
+    rates = grown.sum(axis=0) / law.sum()
+    return float(np.mean(np.sum((grown - rates * law)**2 / law, axis=0)) / (len(law) - 1))
+
+
+@dataclasses.dataclass(frozen=True)
+class Measured:
+    """Cycles before a jump in row `row`: the exponent of the law, the first of their rows, growth
+    of the law in them, and mean settlement per unit of the law, m."""
+    row: int
+    exponent: float
+    first: int
+    grown: float
+    rate: float
+
+    def law(self, course, first, last):
+        """Growth of the law from row to row."""
+        return laws.law(course.cycles[last], self.exponent) - laws.law(course.cycles[first],
+                                                                       self.exponent)
+
+
+def measured_before(course, deck):
+    """A Measured of each jump with computed cycles before it."""
+    jump, mean, found = deck.get("jump", {}), course.mean(), []
+    for row in np.flatnonzero(course.jump):
+        if row < 2 or course.jump[row - 1]:
+            continue
+        first = int(np.flatnonzero(course.cycles >= course.cycles[row - 1]
+                                   - jump.get("cycles", 20))[0])
+        one = Measured(int(row), jump.get("exponent", 0.0), first, 0.0, 0.0)
+        grown = one.law(course, first, row - 1)
+        found.append(dataclasses.replace(one, grown=grown,
+                                         rate=(mean[row - 1] - mean[first]) / grown))
+    return found
 
 
 def aims(course, deck):
     """An Aim of each jump with computed cycles before it."""
-    jump = deck.get("jump", {})
-    exponent, measured = jump.get("exponent", 0.0), jump.get("cycles", 20)
     mean, found = course.mean(), []
-    for row in np.flatnonzero(course.jump):
-        if row < 2 or course.jump[row - 1]:
-            continue
-        begin, end = course.cycles[row - 1], course.cycles[row]
-        first = np.flatnonzero(course.cycles >= begin - measured)[0]
-        known, ahead = (laws.law(b, exponent) - laws.law(a, exponent)
-                        for a, b in ((course.cycles[first], begin), (begin, end)))
-        error = np.sqrt(scatter(course, row - 1, exponent) / course.settled.shape[1]
-                        * ahead * (1 + ahead / known))
-        found.append(Aim(begin, end, max(ahead / known * (mean[row - 1] - mean[first]), 0.0),
-                         float(error), mean[row] - mean[row - 1]))
+    for one in measured_before(course, deck):
+        before, ahead = one.row - 1, one.law(course, one.row - 1, one.row)
+        error = np.sqrt(scatter(course, before, one.exponent) / course.settled.shape[1]
+                        * ahead * (1 + ahead / one.grown))
+        found.append(Aim(course.cycles[before], course.cycles[one.row],
+                         max(ahead * one.rate, 0.0), float(error), mean[one.row] - mean[before]))
     return found
 
 
@@ -136,21 +161,16 @@ class JumpCheck:
 
 def checks(course, deck):
     """A JumpCheck of each jump with computed cycles before and after it."""
-    jump = deck.get("jump", {})
-    exponent, measured = jump.get("exponent", 0.0), jump.get("cycles", 20)
     mean, found = course.mean(), []
-    for row in np.flatnonzero(course.jump):
-        begin, end = course.cycles[row - 1], course.cycles[row]
+    for one in measured_before(course, deck):
+        row = one.row
         later = np.flatnonzero(course.stage == course.stage[row] + 1)
-        first = np.flatnonzero(course.cycles >= begin - measured)[0]
         if not len(later) or course.jump[later].any():
             continue
-        grown = laws.law(begin, exponent) - laws.law(course.cycles[first], exponent)
-        rate = (mean[row - 1] - mean[first]) / grown
         last = later[-1]
-        expected = rate * (laws.law(course.cycles[last], exponent) - laws.law(end, exponent))
-        found.append(JumpCheck(begin, end, mean[row] - mean[row - 1], course.cycles[last] - end,
-                               expected, mean[last] - mean[row]))
+        found.append(JumpCheck(course.cycles[row - 1], course.cycles[row],
+                               mean[row] - mean[row - 1], course.cycles[last] - course.cycles[row],
+                               one.rate * one.law(course, row, last), mean[last] - mean[row]))
     return found
 
 

@@ -30,19 +30,23 @@ class Choices:
 
 
 def prepared(path, choices):
-    """(grid of the scan, its holes, remarks on what was done)."""
+    """(grid of the scan, its missing places, remarks on what was done)."""
     points, remarks = scan.load(path, choices.unit), []
     if choices.marks:
-        points, remains = scan.turned(points, *scan.marks(choices.marks))
+        points, remains, overturned = scan.turned(points, *scan.marks(choices.marks))
         remarks.append(f"turned into the frame of the track; the marks differ by "
                        f"{1e3 * remains:.3g} mm (root mean square)")
+        if overturned:
+            remarks.append("the marks turn z of the scan downwards: do the sections show the heads "
+                           "of rails, or is the scan mirrored?")
     kept = scan.cleaned(points)
     remarks.append(f"{path.name}: {len(points)} points, of which {len(points) - len(kept)} were "
                    "left out as outliers")
     grid = scan.gridded(kept)
     remarks.append(f"grid of {len(grid.x)} x {len(grid.y)} places; nothing is known further than "
                    f"{1e3 * scan.hole_of(kept):.2g} mm from the next point")
-    return scan.smoothed(grid), scan.holes(grid), remarks
+    even = scan.smoothed(grid)
+    return even, scan.missing(even), remarks
 
 
 def table_of(paths, choices):
@@ -91,20 +95,21 @@ def sections_as_csv(grid):
 
 def name_of_file(path):
     """Of a path, without signs: -3 mm is minus_3_mm."""
-    return "irregularity_" + re.sub(r"\W+", "_", path.name.replace("-", "minus_")) + ".csv"
+    return "irregularity_" + re.sub(
+        r"[^\w-]+", "_", re.sub(r"-(?=\d)", "minus_", path.name)) + ".csv"
 
 
 def trajectory(path, folder, choices):
     """Irregularities, sections, a table and a picture of a scan into a write.Folder."""
     wheels = [profiles.of(word) for word in choices.wheels]
-    grid, holes, remarks = prepared(path, choices)
+    grid, missing, remarks = prepared(path, choices)
     several, paths = len(choices.laterals) > 1, []
     for wheel in wheels:
         for y in choices.laterals:
             one = contact.roll(grid, wheel, y, choices.radius, choices.side,
                                f"{wheel.name} at {1e3 * y:g} mm" if several else wheel.name)
             paths.append(one)
-            remarks += contact.warnings(one, grid, holes, wheel, y, choices.side)
+            remarks += contact.warnings(one, grid, missing, wheel, y, choices.side)
     if len(set(map(name_of_file, paths))) < len(paths):
         raise read.Unreadable("two wheels have the same name and lateral position: give each once")
     for one in paths:

@@ -10,7 +10,10 @@ import numpy as np
 from trackbed_post import read
 
 SPAN = 0.1    # m, over which the slopes before and behind a kink are averaged
-MOVED = 5e-3  # m, by which the contact jumps from the wing rail to the nose, at least
+BESIDE = 0.03  # m, over which the contact before and behind a jump is averaged
+# m, by which the contact jumps from the wing rail to the nose, at least: on one rail it wanders by
+# less.
+MOVED = 15e-3
 ROWS = 5e-3   # m, between rows of an irregularity
 GAP = 0.02    # m, longest stretch of x without any scanned surface below the wheel
 NEAR = 5e-3   # m, from the contact: a hole there may hide a higher surface
@@ -39,10 +42,18 @@ class Path:
         return (origin - x[::-1], z[::-1]) if trailing else (origin + x, z)
 
     def transition(self):
-        """x at which the contact jumps most, m; nan if it does not jump."""
-        jump = np.abs(np.diff(self.contact))
+        """x at which the contact jumps most, m; nan if it stays on one rail."""
+        count = int(round(BESIDE / (self.x[1] - self.x[0])))
+        if len(self.x) <= 2 * count:
+            return np.nan
+        medians = np.median(np.lib.stride_tricks.sliding_window_view(self.contact, count), axis=1)
+        jump = np.abs(medians[count:] - medians[:-count])
         at = int(np.argmax(jump))
-        return float(self.x[at:at + 2].mean()) if jump[at] > MOVED else np.nan
+        if not jump[at] > MOVED:
+            return np.nan
+        near = self.contact[at:at + 2 * count]  # the step is the largest one there
+        return float(self.x[at + int(np.argmax(np.abs(np.diff(near))))] + self.x[1] / 2
+                     - self.x[0] / 2)
 
     def dip(self):
         """(largest angle by which the path kinks upwards, rad; its x, m): difference of the mean
@@ -106,23 +117,30 @@ def roll(grid, profile, lateral=0.0, radius=0.46, side=1, name=""):
     return Path(name or profile.name, x, z, contact)
 
 
-def warnings(path, grid, holes, profile, lateral, side=1):
-    """Sentences on what may make the path wrong: contacts near holes (scan.holes), at the edge of
-    the scan, at the end of the profile or on the tip of the flange."""
-    found, s = [], side * (path.contact - lateral)
-    tip = profile.s[np.argmax(profile.grown)]
+def stretches(x, wrong):
+    """(first, last) x, m, of each run of wrong places, that may have gaps of up to GAP."""
+    at = x[wrong]
+    ends = np.flatnonzero(np.diff(at) > GAP) if len(at) else []
+    return list(zip(at[[0, *(ends + 1)]], at[[*ends, -1]])) if len(at) else []
 
-    def add(wrong, what):
-        if wrong.any():
-            x = path.x[wrong]
-            found.append(f"{path.name}: {what} between x = {x[0]:.4g} and {x[-1]:.4g} m of the "
-                         "scan: its path may be wrong there")
-    for x, y, length, width in holes:
-        add((np.abs(path.x - x) < length / 2) & (np.abs(path.contact - y) < width / 2 + NEAR),
-            f"the contact is beside a hole of {1e3 * length:.0f} x {1e3 * width:.0f} mm")
-    add((path.contact < grid.y[0] + EDGE) | (path.contact > grid.y[-1] - EDGE),
-        "the contact is at the edge of the scan")
-    add((s < profile.s[0] + EDGE) | (s > profile.s[-1] - EDGE),
-        "the contact is at the end of the profile")
-    add(np.abs(s - tip) < NEAR, "the wheel stands on its flange")
-    return found
+
+def warnings(path, grid, missing, profile, lateral, side=1):
+    """Sentences on what may make the path wrong: contacts near `missing` places of the grid
+    (scan.missing), at the edge of the scan, at the end of the profile or on the tip of the flange.
+    """
+    s = side * (path.contact - lateral)
+    rows = np.searchsorted(grid.x, path.x - 1e-9)
+    columns = np.clip(np.searchsorted(grid.y, path.contact), 0, len(grid.y) - 1)
+    reach = int(round(NEAR / (grid.y[1] - grid.y[0])))
+    holes = np.array([missing[row, max(column - reach, 0):column + reach + 1].any()
+                      for row, column in zip(rows, columns)])
+    kinds = ((holes, "the contact is beside a place that was not scanned"),
+             ((path.contact < grid.y[0] + EDGE) | (path.contact > grid.y[-1] - EDGE),
+              "the contact is at the edge of the scan"),
+             ((s < profile.s[0] + EDGE) | (s > profile.s[-1] - EDGE),
+              "the contact is at the end of the profile"),
+             (np.abs(s - profile.s[np.argmax(profile.grown)]) < NEAR,
+              "the wheel stands on its flange"))
+    return [f"{path.name}: {what} between x = {first:.4g} and {last:.4g} m of the scan: its path "
+            "may be wrong there"
+            for wrong, what in kinds for first, last in stretches(path.x, wrong)]

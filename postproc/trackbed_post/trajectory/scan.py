@@ -28,9 +28,12 @@ MEAN_ALONG, MEAN_ACROSS = 20e-3, 2e-3
 HOLE, LONGEST_HOLE = 3.0, 3e-3
 LARGEST = 50_000_000  # cells of a grid
 OUT = 0.05            # part of the points: if more are outliers, the scan is another thing
+SAME = 1e-6           # m, in plan: of points that are closer the first one counts
 SIDES = 1e-3          # m, of the triangles of an STL file between points
 OFF = 1e-3            # m, root mean square of what marks may differ by
-FLAT = 0.02           # m, least extent of the marks in the second direction
+FLAT = 0.02           # m, of the mark that is furthest from the line closest to all
+LEAST_HOLE = 3e-3     # m, length and width of a missing place
+STRETCH = 0.1         # m, within which a surface known before and behind is missing between
 
 
 @dataclasses.dataclass(frozen=True)
@@ -42,7 +45,8 @@ class Grid:
 
 
 def lengths_of(path, wanted):
-    """{name: column, m} of a CSV with these columns of lengths and others, which are left out."""
+    """{name: column, m} in the order wanted, of a CSV with these columns of lengths in any order;
+    others are left out."""
     names, table = measured.table_of(path)
     columns = {}
     for name, column in zip(names, table.T):
@@ -60,7 +64,7 @@ def lengths_of(path, wanted):
                               f"({missing[0]}_mm); it has {', '.join(names)}")
     if not np.isfinite(list(columns.values())).all():
         raise read.Unreadable(f"{path}: some values are not numbers")
-    return columns
+    return {stem: columns[stem] for stem in wanted}
 
 
 def _of_csv(path):
@@ -97,9 +101,11 @@ def load(path, unit=1e-3):
     """Points of a CSV or STL file, m; `unit`: that of an STL file, m."""
     path = pathlib.Path(path)
     points = _of_stl(path, unit) if path.suffix.lower() == ".stl" else _of_csv(path)
-    if len(points) <= 2 * NEIGHBOURS:
-        raise read.Unreadable(f"{path}: a scan needs more than {2 * NEIGHBOURS} points")
-    return points
+    _, once = np.unique(np.round(points[:, :2] / SAME), axis=0, return_index=True)
+    if len(once) <= 2 * NEIGHBOURS:
+        raise read.Unreadable(f"{path}: a scan needs more than {2 * NEIGHBOURS} points that do not "
+                              "lie above each other")
+    return points[np.sort(once)]
 
 
 def cleaned(points):
@@ -120,16 +126,23 @@ def cleaned(points):
     return kept
 
 
+def beside_a_line(places):
+    """m, of the place that is furthest from the line through the origin closest to all."""
+    along = np.linalg.svd(places)[2][0]
+    return float(np.linalg.norm(places - np.outer(places @ along, along), axis=1).max())
+
+
 def turned(points, scanned, true):
     """Points in the frame of the track by the rotation and shift that bring the `scanned` places of
     three marks or more to the `true` ones with the least squares; root mean square of what remains,
-    m."""
+    m; whether the scan's z then points downwards."""
     scanned, true = np.asarray(scanned, float), np.asarray(true, float)
     middle, wanted = scanned.mean(axis=0), true.mean(axis=0)
-    if len(scanned) < 3 or min(np.linalg.svd(of - of.mean(axis=0), compute_uv=False)[1]
-                               for of in (scanned, true)) < FLAT:
-        raise read.Unreadable("marks: three or more are needed, and at least one must be "
-                              f"{1e3 * FLAT:g} mm and more beside the line through the others")
+    beside = min(beside_a_line(of - of.mean(axis=0)) for of in (scanned, true))
+    if len(scanned) < 3 or beside < FLAT:
+        raise read.Unreadable(f"marks: three or more are needed; one must be at least "
+                              f"{1e3 * FLAT:g} mm from the line that is closest to all, the "
+                              f"furthest is at {1e3 * beside:.3g} mm")
     rotation, _ = scipy.spatial.transform.Rotation.align_vectors(true - wanted, scanned - middle)
     remains = rotation.apply(scanned - middle) + wanted - true
     off = float(np.sqrt(np.mean(np.sum(remains**2, axis=1))))
@@ -137,7 +150,7 @@ def turned(points, scanned, true):
         raise read.Unreadable(f"marks: the scanned places differ from the true ones by "
                               f"{1e3 * off:.3g} mm (root mean square, at most {1e3 * OFF:g}) after "
                               "the best turn; are units and axes right?")
-    return rotation.apply(points - middle) + wanted, off
+    return rotation.apply(points - middle) + wanted, off, bool(rotation.apply([0, 0, 1])[2] < 0)
 
 
 def marks(path):
@@ -150,9 +163,10 @@ def marks(path):
 
 
 def hole_of(points):
-    """m, distance from all points beyond which nothing is known: in spacings of the points."""
-    spacing = np.median(scipy.spatial.cKDTree(points[:, :2]).query(points[:, :2], 2)[0][:, 1])
-    return min(max(HOLE * float(spacing), ACROSS), LONGEST_HOLE)
+    """m, distance from all points beyond which nothing is known: in spacings of the points, of the
+    area that they cover, so that they may lie on lines."""
+    covered = len(np.unique(np.floor(points[:, :2] / LONGEST_HOLE), axis=0)) * LONGEST_HOLE**2
+    return min(max(HOLE * (covered / len(points))**0.5, ACROSS), LONGEST_HOLE)
 
 
 def gridded(points, along=ALONG, across=ACROSS):
@@ -174,19 +188,19 @@ def gridded(points, along=ALONG, across=ACROSS):
     return Grid(x, y, z)
 
 
-def holes(grid, least=HOLE * ALONG):
-    """[(x, y, length, width), m] of places without points within the scanned surface, that are at
-    least so long and wide."""
-    found, _ = scipy.ndimage.label(~np.isfinite(grid.z))
-    outside = {*found[0], *found[-1], *found[:, 0], *found[:, -1]}
-    step = grid.x[1] - grid.x[0], grid.y[1] - grid.y[0]
-    places = []
-    for number, (rows, columns) in enumerate(scipy.ndimage.find_objects(found), 1):
-        length, width = (rows.stop - rows.start) * step[0], (columns.stop - columns.start) * step[1]
-        if number not in outside and min(length, width) >= least:
-            places.append((float(grid.x[rows].mean()), float(grid.y[columns].mean()), float(length),
-                           float(width)))
-    return places
+def missing(grid):
+    """Of each place of the grid, whether nothing is known there, but at the same y within STRETCH
+    before and behind: a flangeway, which is oblique, and what lies beside the rail are not."""
+    known, count = np.isfinite(grid.z), 2 * int(round(STRETCH / (grid.x[1] - grid.x[0]))) + 1
+    # A maximum and then a minimum over twice STRETCH; the ends are known to be nothing.
+    wide = np.pad(known, ((count, count), (0, 0)))
+    closed = scipy.ndimage.minimum_filter1d(
+        scipy.ndimage.maximum_filter1d(wide, count, axis=0), count, axis=0)
+    holes = closed[count:-count] & ~known
+    # Edges of rails are oblique and frayed by the spacing of the points.
+    least = [int(round(LEAST_HOLE / (axis[1] - axis[0]))) + 1 for axis in (grid.x, grid.y)]
+    return scipy.ndimage.maximum_filter(scipy.ndimage.minimum_filter(holes, least), least,
+                                        origin=[-1 if count % 2 == 0 else 0 for count in least])
 
 
 def smoothed(grid, along=MEAN_ALONG, across=MEAN_ACROSS):
@@ -194,7 +208,7 @@ def smoothed(grid, along=MEAN_ALONG, across=MEAN_ACROSS):
     both ends of x, where it would be one-sided."""
     known = np.isfinite(grid.z)
     values, weights = np.where(known, grid.z, 0.0), known.astype(float)
-    counts = [2 * int(length / (coordinates[1] - coordinates[0]) / 2) + 1
+    counts = [2 * int(round(length / (coordinates[1] - coordinates[0]) / 2)) + 1
               for length, coordinates in ((along, grid.x), (across, grid.y))]
     if len(grid.x) <= counts[0] + 1:
         raise read.Unreadable(f"the scan is {grid.x[-1] - grid.x[0]:.3g} m long; it must be longer "
