@@ -70,8 +70,9 @@ def settles(n):
             *((f"the rail at the {place}", f"rail, {place}, mean displacement")
               for place in RAIL)):
         by, certain = less(n, quantity, "track")
-        texts.append(f"{what} by {by:.2f} +- {error_of_difference(n, quantity, 'track'):.2f} mm"
-                     f"{'' if certain else ' (decides nothing)'}")
+        error = error_of_difference(n, quantity, "track")
+        texts.append(f"{what} by {by:.1f}" + (f" +- {error:.1f}" if error else "") + " mm"
+                     + ("" if certain or not error else " (decides nothing)"))
     return (f"After {mean(n, 'convex', 'simulated', 'track'):.2f} s of wheels, displacements on "
             f"non-convex stones are smaller: {', '.join(texts)}. Published: 5 mm for sleepers and "
             "7 to 9 mm for the rail after 8 s.")
