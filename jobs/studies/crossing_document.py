@@ -46,7 +46,21 @@ def summary(n):
   force is {100 * (1 - n("joint_middle", thesis()) / n("joint_middle", "largest force")):.0f} % too
   small, since the displacement hardly contains the impact.
 - The place of the wheels in the record must be known to a centimetre for the irregularity.
-{summary_of_stones(n)}"""
+{summary_of_scans(n)}{summary_of_stones(n)}"""
+
+
+def summary_of_scans(n):
+    """The worst of all designs and directions of travel, by wheel."""
+    texts = []
+    for wheel, title in scanned.WHEELS.items():
+        runs = [run for run in (scanned.name_of(*case, wheel) for case in scanned.CASES)
+                if n.has(run)]
+        if runs:
+            force, surface = (max(n(run, f"error of {what}, worst") for run in runs)
+                              for what in ("the largest force", "the irregularity"))
+            texts.append(f"{force:.0f} and {surface:.0f} % ({title})")
+    return (f"- On a made-up scan of a crossing, the largest force and the irregularity err by at "
+            f"most {', '.join(texts)}.\n") if texts else ""
 
 
 def summary_of_stones(n):

@@ -53,7 +53,8 @@ def summary(n):
 - After the first cycle, two sleepers settle by {settled:.2f}
   +- {error_of_difference(n, SETTLED):.2f} mm less on non-convex stones in {CYCLES["cycles"] - 1}
   cycles{"" if certain else ", which decides nothing"}. +- is the standard error over the packings,
-  {len(PACKINGS)} of two sleepers, {len(of(n, "convex", "simulated", "track"))} of ten.
+  {len(PACKINGS)} of two sleepers, {len(of(n, "convex", "simulated", "track"))} of ten, where it is
+  itself uncertain.
 - The ground of rising stiffness has its largest tension where its stiffness rises most, as
   published: {n(GROUND_RUN, "tension, largest"):.2f} MPa (published 0.1), or {coarse:.2f} with
   elements as long as those of the study. It depends on the curve of the stiffness, which is assumed
@@ -225,11 +226,10 @@ def part_track(n):
             ("stone-steps per second and core", "stone steps per second and core"),
             ("run time, % for stones", "time, dem"), ("for the ground", "time, ground"),
             ("for rail and sleepers", "time, track"), ("for the coupling", "time, coupling"),
-            ("run time, min", "wall_time")):
+            ("time of one core for 0.5 s, min", "time of one core for 0.5 s")):
         cells = []
         for shape in SHAPES:
-            found = np.array(of(n, shape, quantity, "track"))
-            found = found / 60 if quantity == "wall_time" else found
+            found = of(n, shape, quantity, "track")
             cells.append(f"{np.mean(found):.3g}" + (
                 f" ({min(found):.3g} to {max(found):.3g})" if len(found) > 1 else ""))
         rows.append((title, *cells))
@@ -246,7 +246,8 @@ the whole rail from the beginning, for 8 s. Stones are of 40 to 63 mm, with the 
 slice; sleepers are placed with 5 kN on each and settle under the first wheels as they do in the
 study. Displacements count from the begin of the wheels and are means over the last
 {PERIOD:g} s, while each axle takes the place of the one before; the largest stresses are those of
-any time, of weight and wheels.
+any time, of weight and wheels. The wall times in the head of this document count only the last
+part of a run that was stopped and resumed.
 {f"{count} packings: mean (least to most)" if count > 1 else "One packing"}:
 
 {table(["", *TITLES.values()], rows)}"""
