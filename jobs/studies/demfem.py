@@ -362,7 +362,8 @@ def measure_cost(name, place, numbers):
     each = (float(summary(place, "dem", "measured_cpu_time_s"))
             / float(summary(place, "dem", "measured_steps")))
     steps = float(summary(place, "dem", "steps")) / float(summary(place, "simulated_time_s"))
-    numbers.put(name, "time of one core for 0.5 s", each * steps * BENCHMARK["duration"] / 60, "min")
+    numbers.put(name, "time of one core for 0.5 s", each * steps * BENCHMARK["duration"] / 60,
+                "min")
     for what in ("dem", "ground", "track", "coupling"):
         numbers.put(name, f"time, {what}", 100 * float(summary(place, "share", what)), "%")
 
