@@ -154,6 +154,8 @@ The thesis says that responses have almost decayed after 0.03 s; here
 
 def part_scanned(n):
     cases = [case for case in scanned.CASES if n.has(scanned.name_of(*case))]
+    if not cases:
+        return ""
     rows = []
     for design, move in cases:
         for wheel, title in scanned.WHEELS.items():
