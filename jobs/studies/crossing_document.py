@@ -180,7 +180,8 @@ it. Its paths are the irregularities of `inputs/track/crossing_panel.toml` at 50
 {scanned.PADS["60E"] / 1e6:.0f} MN/m (60E) and {scanned.PADS["UIC60"] / 1e6:.0f} MN/m (UIC60),
 facing and trailing. Errors with 0.1 % noise, median / worst, over seeds; the irregularity over its
 depth, the place of the train in the record in cm. Where the place is wrong by centimetres, the
-running surface is found beside its true place, which is the main error of the irregularity:
+running surface is found beside its true place; inf: the passage is refused, as its place is not
+found:
 
 {table(["design", "move", "wheel", "depth, mm", "kink, mrad", "largest force, kN",
         "indicator, m/s2", "force, %", "irregularity, %", "place, cm"], rows)}

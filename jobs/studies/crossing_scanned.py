@@ -13,7 +13,7 @@ import launch
 
 from .study import INPUTS, Run, Target
 
-from trackbed_post import measured  # noqa: I001 (found by .study)
+from trackbed_post import measured, read  # noqa: I001 (found by .study)
 from trackbed_post.monitor import greens, indicators, inverse
 from trackbed_post.trajectory import command, contact, profiles, scan
 
@@ -102,7 +102,11 @@ def measure(folder, chosen, seeds, passage_of, numbers, lines):
             x, z = np.loadtxt(folder / file_of(move, wheel), delimiter=",", skiprows=1).T
             peaks, heights, places = [], [], []
             for seed in range(seeds):
-                forces, came, _ = inverse.evaluate(passage.noisy(1e-3, seed), kernel, 50.0)
+                try:
+                    forces, came, _ = inverse.evaluate(passage.noisy(1e-3, seed), kernel, 50.0)
+                except read.Unreadable:  # the place of the train is not found
+                    peaks, heights, places = ([*of, np.inf] for of in (peaks, heights, places))
+                    continue
                 surface = inverse.irregularity(forces, kernel, 50.0)
                 near = [passage.near(k, (forces.x[0], forces.x[-1])) for k in (0, 1)]
                 peaks += [100 * abs(force.max() / passage.force[rows, k].max() - 1)
