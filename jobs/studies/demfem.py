@@ -34,7 +34,6 @@ CORNERS = 12  # of a piece: 20 triangles
 PACKINGS = (1, 2, 3, 4, 5)  # seeds
 BARRED = (1, 2, 3)  # those with contacts as stiff as bars
 TRACKS = (1, 2)  # those of the ten sleepers
-LATER = 4  # runs of the first packing of ten sleepers: the others come last
 STAGES = {stage["name"]: stage for stage in DECK["stage"]}
 CYCLES = STAGES["cycles"]
 PERIOD = CYCLES["duration"] / CYCLES["cycles"]  # s
@@ -124,9 +123,9 @@ def track_of(shape, packing):
 
 def runs(form, ranks):
     full = form == "full"
-    tracks = [run for packing in (TRACKS if full else ()) for shape in reversed(SHAPES)
-              for run in track_of(shape, packing)]
-    found = tracks[:LATER] + [bed(shape, packing, () if full else COARSE)
+    found = [run for packing in (TRACKS if full else ()) for shape in reversed(SHAPES)
+             for run in track_of(shape, packing)]
+    found += [bed(shape, packing, () if full else COARSE)
               for packing in (PACKINGS if full else PACKINGS[:1]) for shape in reversed(SHAPES)]
     found += [Run(ground_run(name), GROUND, words) for name, words in GROUNDS.items()]
     if full:
@@ -144,7 +143,7 @@ def runs(form, ranks):
                       # The wheels again, so that times are those of the wheels alone.
                       Run(f"cost_{shape}", SOLIDS,
                           (*words, f"start='{{folder}}/bedded_{shape}/stage_preload.h5'"), ranks)]
-    return found + tracks[LATER:]
+    return found
 
 
 def ground_run(name):

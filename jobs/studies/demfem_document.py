@@ -315,7 +315,8 @@ between ranks; the search for stones at surfaces is part of "stones". Those of t
 def part_missing():
     return heading("Not repeated") + """
 - 8 s of wheels, 50 cycles, on ten sleepers.
-- The six scanned rocks, and stones of 22.4 to 31.5 mm, below ten sleepers of 22.4 to 40 mm.
+- The six scanned rocks, and the small stones: from 22.4 to 31.5 mm below two sleepers, to 40 mm
+  below ten.
 - The benchmark with 1.2e5 elements.
 """
 

@@ -87,8 +87,7 @@ def scatter(course, row, exponent):
                 course.jump[first + 1:last + 1].any():
             continue
         grown.append(course.settled[last] - course.settled[first])
-        law.append(laws.law(course.cycles[last], exponent)
-                   - laws.law(course.cycles[first], exponent))
+        law.append(growth(course, exponent, first, last))
     if len(grown) < 3:
         return np.nan
     grown, law = np.array(grown), np.array(law)[:, None]
@@ -98,18 +97,17 @@ def scatter(course, row, exponent):
 
 @dataclasses.dataclass(frozen=True)
 class Measured:
-    """Cycles before a jump in row `row`: the exponent of the law, the first of their rows, growth
-    of the law in them, and mean settlement per unit of the law, m."""
+    """Cycles before a jump in row `row`: the exponent of the law, its growth in them, and mean
+    settlement per unit of the law, m."""
     row: int
     exponent: float
-    first: int
     grown: float
     rate: float
 
-    def law(self, course, first, last):
-        """Growth of the law from row to row."""
-        return laws.law(course.cycles[last], self.exponent) - laws.law(course.cycles[first],
-                                                                       self.exponent)
+
+def growth(course, exponent, first, last):
+    """Of the law from row to row."""
+    return laws.law(course.cycles[last], exponent) - laws.law(course.cycles[first], exponent)
 
 
 def measured_before(course, deck):
@@ -120,10 +118,9 @@ def measured_before(course, deck):
             continue
         first = int(np.flatnonzero(course.cycles >= course.cycles[row - 1]
                                    - jump.get("cycles", 20))[0])
-        one = Measured(int(row), jump.get("exponent", 0.0), first, 0.0, 0.0)
-        grown = one.law(course, first, row - 1)
-        found.append(dataclasses.replace(one, grown=grown,
-                                         rate=(mean[row - 1] - mean[first]) / grown))
+        exponent = jump.get("exponent", 0.0)
+        grown = growth(course, exponent, first, row - 1)
+        found.append(Measured(int(row), exponent, grown, (mean[row - 1] - mean[first]) / grown))
     return found
 
 
@@ -131,7 +128,7 @@ def aims(course, deck):
     """An Aim of each jump with computed cycles before it."""
     mean, found = course.mean(), []
     for one in measured_before(course, deck):
-        before, ahead = one.row - 1, one.law(course, one.row - 1, one.row)
+        before, ahead = one.row - 1, growth(course, one.exponent, one.row - 1, one.row)
         error = np.sqrt(scatter(course, before, one.exponent) / course.settled.shape[1]
                         * ahead * (1 + ahead / one.grown))
         found.append(Aim(course.cycles[before], course.cycles[one.row],
@@ -170,7 +167,8 @@ def checks(course, deck):
         last = later[-1]
         found.append(JumpCheck(course.cycles[row - 1], course.cycles[row],
                                mean[row] - mean[row - 1], course.cycles[last] - course.cycles[row],
-                               one.rate * one.law(course, row, last), mean[last] - mean[row]))
+                               one.rate * growth(course, one.exponent, row, last),
+                               mean[last] - mean[row]))
     return found
 
 

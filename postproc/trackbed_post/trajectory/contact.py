@@ -22,7 +22,8 @@ EDGE = 1e-3   # m, from the edge of the scan or of the profile
 
 @dataclasses.dataclass(frozen=True)
 class Path:
-    """Of the lowest point of a wheel's tread datum, were it even: x, z and y of the contact, m."""
+    """Of a wheel: x, height z of the lowest point of its circle at the tread datum, and y of the
+    contact, m."""
     name: str
     x: np.ndarray
     z: np.ndarray
