@@ -115,12 +115,20 @@ double fill(dem::Particles& particles, const par::Comm& comm, const BedParameter
 
 namespace {
 
-// m, height of the loose columns. Collective.
+// m, height of the loose columns, from `sample` of them evenly spread if there are more: their
+// highest is enough to choose how small the stones begin. Collective.
 double height_of(const par::Comm& comm, const Columns& columns) {
+  constexpr std::int64_t sample = 1024;
+  const std::int64_t looked_at = std::min(columns.count(), sample);
   const auto [begin, count] =
-      io::row_range(static_cast<std::size_t>(columns.count()), comm.rank(), comm.size());
+      io::row_range(static_cast<std::size_t>(looked_at), comm.rank(), comm.size());
   double top = 0;
-  build({{.columns = columns}}, begin, count, top);
+  std::vector<dem::NewParticle> stones;
+  for (std::size_t k = begin; k < begin + count; ++k) {
+    stones.clear();
+    top = std::max(
+        top, columns.build(static_cast<std::int64_t>(k) * columns.count() / looked_at, stones));
+  }
   return comm.max(top);
 }
 

@@ -8,8 +8,8 @@ with SIGKILL after a random time, or ends mpirun with SIGTERM as a queue does, a
 on another number of ranks, until it has been killed five times; then it may finish. Histories and
 state must be bitwise those of an undisturbed run. With implicit steps of the ground the bits depend
 on the number of ranks: these runs have two. Checkpoints are written all the time, so that many
-kills hit one that is being written. The exit code is 1 if there are findings, whose folders are
-kept.
+kills hit one that is being written. The exit code is 1 if there are findings, whose folders and
+messages are kept.
 """
 import argparse
 import collections
@@ -93,14 +93,21 @@ class Trial:
         source, folder = given.source, given.folder
         self.name, deck, words, self.ranks = self.chance.choice(chosen(given.runs))
         self.place, self.whole = folder / f"trial_{number}", folder / "whole" / self.name
+        self.messages = folder / f"trial_{number}.txt"
         self.command = ["run", source / deck, *words, *OFTEN, "--or-resume", "-o", self.place]
         self.killed = collections.Counter()
 
     def start(self):
         ranks = self.chance.randint(*self.ranks)
-        return subprocess.Popen(self.program.command(ranks, *self.command),
-                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                                stdin=subprocess.DEVNULL, start_new_session=True)
+        with open(self.messages, "a", encoding="utf-8") as file:
+            print(f"--- {ranks} ranks, after {dict(self.killed)}", file=file, flush=True)
+            return subprocess.Popen(self.program.command(ranks, *self.command), stdout=file,
+                                    stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+                                    start_new_session=True)
+
+    def forget(self):
+        shutil.rmtree(self.place, ignore_errors=True)
+        self.messages.unlink(missing_ok=True)
 
     def finding(self):
         """What is wrong, or nothing."""
@@ -112,7 +119,8 @@ class Trial:
                 self.killed[kill(process, self.program.path, self.chance)] += 1
                 continue
             if code:
-                return f"a run ends with {code}"
+                printed = self.messages.read_text("utf-8", errors="replace")
+                return f"a run ends with {code}: {printed[printed.rindex('--- '):][-1000:]}"
             break
         ran = self.program(self.chance.randint(*self.ranks), *self.command, timeout=PATIENCE)
         if ran.returncode:
@@ -147,7 +155,7 @@ def main():
             findings += 1
             print(f"{trial.place}: {finding}", flush=True)
         else:
-            shutil.rmtree(trial.place, ignore_errors=True)
+            trial.forget()
     print("\n| killed | times |\n|---|---|")
     for what, count in sorted(killed.items()):
         print(f"| {what} | {count} |")

@@ -1,8 +1,5 @@
-// The number of stones is estimated from volumes: a layer of expected height and porosity, cut by
-// the profile and by the sleepers, loses the same fraction of its stones as of its volume. Wall
-// time is a measured time per stone and step on idle cores, times stones and steps.
-//
-// Cost: a sum over the width; `require_stones` has drawn the stones of the layers before.
+// Wall time is a time per stone and step, times stones and steps: measured in a bed of copies as
+// they are laid, otherwise that of a table.
 #include "model/check/estimate.hpp"
 
 #include <fmt/format.h>
@@ -11,12 +8,10 @@
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <span>
 
 #include "model/check/probe.hpp"
 #include "model/rules/limits.hpp"
-#include "trackbed/bed/library.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/whole_steps.hpp"
 #include "trackbed/model/log.hpp"
@@ -25,96 +20,12 @@ namespace trackbed::model {
 
 namespace {
 
-// s of wall time of one sub-step on one core, per stone and per piece; only for an estimate. From
-// runs of the decks in inputs/: single spheres, and stones of about 20 pebbles, in space and in a
-// plane; for pieces with corners the middle of the runs of docs/scaling.md.
-constexpr double time_per_stone = 75e-9, time_per_polyhedron = 330e-9;
-constexpr double time_per_ball(Dimension dimension) {
-  return dimension == Dimension::plane ? 5e-9 : 15e-9;
-}
-
 // Track, coupling and output over stones and ground, plus 1: 2 to 12 % in the runs of
 // docs/scaling.md. A bed under load has more contacts than as it is laid.
 constexpr double other_costs = 1.1, loaded = 1.12;
 // Measured over estimated times of these runs, rounded outwards; of measured beds those of single
 // stages. Without the one in which most stones split.
 constexpr std::pair<double, double> spread_if_measured{0.8, 1.25}, spread_of_table{0.4, 1.8};
-
-struct Cut {
-  double crest = 0;           // m; 0: nothing is cut
-  double sleepers_from = -1;  // m, their lower faces; below 0: no stones are removed for them
-  double stone = 0;           // m, radius of the sphere (plane: disk) of a stone's mean volume
-};
-
-double radius_of(double volume, Dimension dimension) {
-  return dimension == Dimension::plane ? std::sqrt(volume / std::numbers::pi)
-                                       : std::cbrt(0.75 * volume / std::numbers::pi);
-}
-
-// The last cut of the deck determines what is left at the end.
-Cut cut_of(const Model& model) {
-  Cut cut;
-  for (const Stage& stage : model.stages) {
-    if (stage.profile > 0) cut.crest = stage.profile;
-    if (stage.kind == StageKind::sleepers && stage.height > 0) cut.sleepers_from = stage.height;
-  }
-  return cut;
-}
-
-double overlap(double a, double b, double c, double d) {
-  return std::max(0.0, std::min(b, d) - std::max(a, c));
-}
-
-// Fraction of the layer between z = `low` and `high` that the cut leaves, by the midpoint rule
-// across the bed: exact to 1/strips of the width, since the outline consists of straight lines. The
-// outline cuts by centres; a sleeper removes all stones that touch it, so it counts as larger by a
-// stone's radius.
-double fraction_left(const Model& model, const Cut& cut, double low, double high) {
-  constexpr int strips = 2000;
-  const bed::BedParameters& bed = model.bed;
-  const track::SleeperParameters& s = model.sleepers;
-  const bool plane = model.dimension == Dimension::plane;
-  const double width = bed.y[1] - bed.y[0];
-  const double covered = std::min(
-      1.0, static_cast<double>(s.count) * (s.width + 2 * cut.stone) / (bed.x[1] - bed.x[0]));
-  double left = 0;
-  for (int k = 0; k < strips; ++k) {
-    const double y = bed.y[0] + (k + 0.5) * width / strips;
-    const double top = cut.crest > 0 ? std::clamp(bed.top_at(y, cut.crest), low, high) : high;
-    double height = top - low;
-    const bool below_sleeper = plane || std::abs(y - s.y) < s.length / 2 + cut.stone;
-    if (cut.sleepers_from >= 0 && below_sleeper)
-      height -= covered * overlap(low, top, cut.sleepers_from - cut.stone,
-                                  cut.sleepers_from + s.height + cut.stone);
-    left += height / strips;
-  }
-  return left / (high - low);
-}
-
-// s, for a stone in a sub-step.
-double step_time(double balls, double polyhedra, Dimension dimension) {
-  return time_per_stone + balls * time_per_ball(dimension) + polyhedra * time_per_polyhedron;
-}
-
-// The same for a stone of the layer.
-double step_time(const par::Comm& comm, const bed::BedParameters& layer, Dimension dimension) {
-  const std::vector<dem::Template> shapes = bed::templates(comm, layer, dimension);
-  double balls = 0, polyhedra = 0;
-  for (const dem::Template& shape : shapes)
-    for (const dem::Piece& piece : shape.pieces)
-      ++(piece.core.vertices.size() > 1 ? polyhedra : balls);
-  const auto count = static_cast<double>(std::max<std::size_t>(1, shapes.size()));
-  return step_time(balls / count, polyhedra / count, dimension);
-}
-
-// The same for the mean stone of a cell. Collective.
-double step_time_of_copies(const World& world) {
-  const dem::Totals totals = world.particles.totals();
-  const double pieces = static_cast<double>(totals.pieces) /
-                        static_cast<double>(std::max<std::int64_t>(1, totals.particles));
-  const bool corners = world.particles.any_corners();
-  return step_time(corners ? 0 : pieces, corners ? pieces : 0, world.model.dimension);
-}
 
 // Describes the steps of a stage and their limit: most stages of a deck have the same.
 std::string limits_of(const Model& model, const Stage& stage, const Steps& steps) {
@@ -126,17 +37,6 @@ std::string limits_of(const Model& model, const Stage& stage, const Steps& steps
     words += fmt::format("  the coupling allows windows of at most {:.4g} s (determined by {})\n",
                          coupling.window, coupling.words());
   return words;
-}
-
-std::string sentence_of(const LayerForecast& layer, const Cut& cut) {
-  const std::string made =
-      fmt::format("  {}: {} stones are poured",
-                  layer.layer.empty() ? "layer of [bed]" : "layer " + layer.layer, layer.made);
-  const bool trims = cut.crest > 0, places = cut.sleepers_from >= 0;
-  if (!trims && !places) return made;
-  return fmt::format("{}; about {} of them remain after {}{}{}", made, layer.left,
-                     trims ? "trimming to the profile" : "", trims && places ? " and " : "",
-                     places ? "placing the sleepers" : "");
 }
 
 // MB of the histories if all stages take their full duration.
@@ -168,31 +68,6 @@ std::vector<std::string> warning_of_ground_steps(const World& world, double long
 }
 
 }  // namespace
-
-std::vector<LayerForecast> forecast(const World& world, const StonesOfLayers& stones) {
-  const Model& model = world.model;
-  const par::Comm& comm = world.comm;
-  std::vector<LayerForecast> layers;
-  Cut cut = cut_of(model);
-  const double area = (model.bed.x[1] - model.bed.x[0]) *
-                      (model.dimension == Dimension::plane ? 1 : model.bed.y[1] - model.bed.y[0]);
-  double low = 0;
-  for (const Stage& stage : model.stages) {
-    if (stage.kind != StageKind::fill) continue;
-    const bed::BedParameters bed = model.bed.of_layer(stage.layer);
-    LayerForecast layer{.layer = stage.layer};
-    const bool copies = !model.bed.cell.empty();
-    layer.made = copies ? world.particles.totals().particles : stones.at(stage.layer).count;
-    const auto made = static_cast<double>(layer.made);
-    cut.stone = radius_of(area * bed.height * (1 - bed.porosity) / made, model.dimension);
-    layer.left = std::llround(fraction_left(model, cut, low, low + bed.height) * made);
-    layer.step_time = step_time(comm, bed, model.dimension);
-    if (copies) layer.step_time = step_time_of_copies(world);
-    layers.push_back(layer);
-    low += bed.height;
-  }
-  return layers;
-}
 
 namespace {
 
@@ -273,11 +148,7 @@ std::string sentence_of_total(const par::Comm& comm, const std::vector<StageCost
           ? fmt::format(
                 "the stones measured as they are laid, with {:.0f} % for more contacts under load",
                 100 * (loaded - 1))
-          : fmt::format(
-                "{:.0f} ns in a sub-step for each stone, {:.0f} ns for each ball and "
-                "{:.0f} ns for each polyhedron of a stone",
-                time_per_stone * 1e9, time_per_ball(model.dimension) * 1e9,
-                time_per_polyhedron * 1e9);
+          : table_of_times(model.dimension);
   return fmt::format(
       "estimated wall time on {} rank{}: {}, usually {:g} to {:g} times as much, of it {:.0f} % "
       "for the ground ({}; with {:.0f} % for track, coupling and output{}; assumes that nothing "
@@ -287,18 +158,18 @@ std::string sentence_of_total(const par::Comm& comm, const std::vector<StageCost
       model.breakage.any() ? "; without the parts of stones that break" : "");
 }
 
-// Replaces the estimated time of a stone by a measured one. A bed that cannot be computed as it is
-// laid fails in a run as well: `problem` states why.
-void measure_stones(World& world, const Steps& steps, std::vector<LayerForecast>& layers,
-                    std::string& problem) {
+// Replaces the times of the table by those of the bed of copies as it is laid. If it cannot be
+// computed, a run fails as well: then returns why, otherwise nothing.
+std::string measure_copies(World& world, const Steps& steps, std::vector<LayerForecast>& layers) {
   const auto count = static_cast<double>(world.particles.totals().particles);
   try {
     const double window = measured_window_of_stones(world, steps);
     for (LayerForecast& layer : layers)
       layer.step_time = window / steps.substeps / count * world.comm.size();
   } catch (const RunError& why) {
-    problem = why.what();
+    return why.what();
   }
+  return {};
 }
 
 }  // namespace
@@ -309,14 +180,12 @@ Estimate estimate(World& world, const StageActions& actions, const StonesOfLayer
   const Model& model = world.model;
   std::vector<LayerForecast> layers = forecast(world, stones);
   Estimate result;
-  for (const LayerForecast& layer : layers)
-    if (layers.size() > 1 || !layer.layer.empty() || layer.left != layer.made)
-      result.lines.push_back(sentence_of(layer, cut_of(model)));
+  result.lines = sentences_of(model, layers);
   std::string problem;
   const bool copies = !model.bed.cell.empty();
   if (copies)
-    measure_stones(world, choose_steps(world, step_of(world), model.stages.front(), deck), layers,
-                   problem);
+    problem = measure_copies(world, choose_steps(world, step_of(world), model.stages.front(), deck),
+                             layers);
   const bool measured = copies && problem.empty();
   auto costs = costs_of_stages(world, actions, stones, deck, layers);
   for (StageCost& cost : costs) cost.stones *= measured ? loaded : 1;

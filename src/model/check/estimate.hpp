@@ -5,24 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "model/scene/layer_stones.hpp"
-#include "model/scene/world.hpp"
+#include "model/check/forecast.hpp"
 #include "model/stages/stages.hpp"
 #include "trackbed/input/deck.hpp"
 
 namespace trackbed::model {
-
-struct LayerForecast {
-  std::string layer;      // name; empty: the uppermost one
-  std::int64_t made = 0;  // stones that its stage of kind fill pours: exact
-  std::int64_t left = 0;  // stones below the last profile and beside the sleepers: expected
-  double step_time = 0;   // s of one core for a sub-step of a stone
-};
-
-// For each stage of kind fill, in order; copies of a cell are counted in `world`. `left` is correct
-// as far as the compacted bed has the height and porosity given in the deck; stones of cribs are
-// not included. Throws InputError if they cannot be made. Collective.
-std::vector<LayerForecast> forecast(const World& world, const StonesOfLayers& stones);
 
 struct Estimate {
   std::vector<std::string> lines;  // for `check`
