@@ -311,8 +311,9 @@ def parser():
                      help="length of the sliding window of the standard deviation, m; default: "
                           "%(default)g")
     one.add_argument("--speed", type=float, metavar="KMH",
-                     help="speed of the line, above 80 and up to 160 km/h: states the track "
-                          "quality class of EN 13848-6")
+                     help="speed of the line, at most 300 km/h: states sections beyond the "
+                          "immediate action limits of EN 13848-5, and, above 80 and up to 160 "
+                          "km/h, the track quality class of EN 13848-6")
     draws(one)
     one = command("trajectory", roll_wheels)
     one.add_argument("scan", type=pathlib.Path, metavar="FILE",

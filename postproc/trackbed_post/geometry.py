@@ -10,7 +10,7 @@ import pathlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measured, read, track_figures, track_measures
+from trackbed_post import geometry_limits, measured, read, track_figures, track_measures
 
 BANDS = {"D1": (3.0, 25.0), "D2": (25.0, 70.0), "D3": (70.0, 150.0)}  # m, EN 13848-1
 WINDOW = 200.0     # m, of sliding standard deviations
@@ -177,25 +177,33 @@ def numbers(level, bases=BASES, window=WINDOW):
     return found
 
 
-def limits_at(speed):
-    """Limits of the classes at a speed, km/h."""
-    for (above, most), limits in CLASSES.items():
-        if above < speed <= most:
-            return limits
-    raise read.Unreadable(f"--speed {speed:g}: the limits of the classes of EN 13848-6 are known "
-                          "above 80 and up to 160 km/h; leave the option out")
-
-
 def classes(level, speed, window=WINDOW):
     """Rail -> its class of EN 13848-6, A to E, by the largest standard deviation in D1 within
-    `window` m."""
+    `window` m; none at speeds, km/h, for which the limits are not known."""
     name = "D1"
-    if name not in (bands := bands_of(level)):
+    known = [limits for (above, most), limits in CLASSES.items() if above < speed <= most]
+    if name not in (bands := bands_of(level)) or not known:
         return {}
-    rows, limits = inner(level, name), limits_at(speed)
+    rows, limits = inner(level, name), known[0]
     spreads = [1e3 * worst_window(level.x[rows], one, window)[0] for one in bands[name][rows].T]
     return {rail: "ABCDE"[int(np.searchsorted(limits, spread))]
             for rail, spread in zip(rails_of(level), spreads)}
+
+
+def beyond_limits(level, speed, bases=BASES):
+    """Lines of the table: limits of single deviations at a speed, km/h, and the sections beyond."""
+    lines = []
+    for name, limit in geometry_limits.at(geometry_limits.LEVEL, speed).items():
+        rows = inner(level, name)
+        for rail, one in zip(rails_of(level), bands_of(level).get(name, np.empty((0, 0)))[rows].T):
+            found = geometry_limits.sections(level.x[rows], 1e3 * one, limit)
+            lines += geometry_limits.words(f"{name}, {rail}", limit, "mm", found)
+    for base in bases if level.height.shape[1] == 2 else ():
+        if (limit := geometry_limits.twist_limit(base, speed)) is not None:
+            x, slope = twist(level, base)
+            lines += geometry_limits.words(f"twist over {base:g} m", limit, "mm/m",
+                                           geometry_limits.sections(x, 1e3 * slope, limit))
+    return lines
 
 
 def rails_of(level):
@@ -236,9 +244,9 @@ def draw(levels, bases=BASES):
 
 def draw_into(sources, folder, bases=BASES, window=WINDOW, speed=None):
     """Picture geometry and table geometry.txt of files or runs into a write.Folder; with the
-    classes at a speed, km/h."""
+    classes and limits at a speed, km/h."""
     if speed is not None:
-        limits_at(speed)
+        geometry_limits.at(geometry_limits.LEVEL, speed)
     if len(sources) > len(STYLES):
         raise read.Unreadable(f"give at most {len(STYLES)} files or runs")
     levels = [load(one) for one in sources]
@@ -257,6 +265,7 @@ def draw_into(sources, folder, bases=BASES, window=WINDOW, speed=None):
         for rail, letter in classes(level, speed, window).items() if speed is not None else ():
             lines.append(f"  {f'D1, {rail}: class of EN 13848-6 at {speed:g} km/h':<62}"
                          f"{letter:>12}")
+        lines += beyond_limits(level, speed, bases) if speed is not None else []
         lines += [f"  no {name}: {why}" for name in BANDS if (why := why_not(level, name))]
         lines += [f"  {remark}" for remark in level.remarks]
     folder.table("geometry.txt", "\n".join(lines) + "\n")

@@ -3,7 +3,7 @@ import conftest
 import made
 import numpy as np
 import pytest
-from trackbed_post import geometry, read
+from trackbed_post import geometry, geometry_limits, read
 
 STEP = 0.25
 X = np.arange(0, 900.1, STEP)
@@ -110,12 +110,48 @@ def test_the_class_depends_on_spread_and_speed(tmp_path, spread, speed, letter):
     assert stated == letter, table
 
 
-@pytest.mark.parametrize("speed", [80, 161, float("nan")])
-def test_classes_of_other_speeds_are_refused(tmp_path, speed):
+@pytest.mark.parametrize("speed", [0, 301, float("nan")])
+def test_limits_of_other_speeds_are_refused(tmp_path, speed):
     path = write_csv(tmp_path / "line.csv", x_m=X, z_m=waves({9: 1e-3}))
     ran = conftest.call("geometry", path, "-o", tmp_path / "out", "--speed", speed)
-    assert ran.returncode == 2 and "above 80 and up to 160 km/h" in ran.stderr
+    assert ran.returncode == 2 and "above 0 and up to 300 km/h" in ran.stderr
     assert not (tmp_path / "out/geometry.txt").exists()
+
+
+@pytest.mark.parametrize("speed", [80, 161])
+def test_classes_of_other_speeds_are_left_out(tmp_path, speed):
+    path = write_csv(tmp_path / "line.csv", x_m=X, z_m=waves({9: 1e-3}))
+    ran = conftest.call("geometry", path, "-o", tmp_path / "out", "--speed", speed)
+    assert ran.returncode == 0 and "class of" not in (tmp_path / "out/geometry.txt").read_text()
+
+
+# A wave of 9 m and one of 40 m, each 1 mm above or below a limit of its band; of that of 40 m 15 %
+# are in D1, where the last case needs 4 mm less.
+@pytest.mark.parametrize("speed, size, beyond", [
+    (80, {9: 29e-3}, {"D1": True}), (80, {9: 27e-3}, {"D1": False}),
+    (81, {9: 27e-3}, {"D1": True}), (160, {9: 22e-3}, {"D1": False}),
+    (161, {9: 21e-3, 40: 32e-3}, {"D1": True, "D2": False}),
+    (300, {9: 11e-3, 40: 29e-3}, {"D1": False, "D2": True})])
+def test_sections_beyond_the_limit_are_listed(tmp_path, speed, size, beyond):
+    path = write_csv(tmp_path / "line.csv", x_m=X, z_m=waves(size))
+    ran = conftest.call("geometry", path, "-o", tmp_path / "out", "--speed", speed)
+    assert ran.returncode == 0, ran.stderr
+    table = (tmp_path / "out/geometry.txt").read_text()
+    for band, found in beyond.items():
+        count = int(table.split(f"{band}, rail: sections above it")[1].split()[0])
+        assert (count > 0) == found, table
+
+
+def test_a_section_has_its_ends_and_its_largest_value():
+    x, values = np.arange(8.0), np.array([0, 2, -3, 1, 0, 4, 1, -2])
+    assert geometry_limits.sections(x, values, 1.0) == [(1, 2, 3), (5, 5, 4), (7, 7, 2)]
+    assert geometry_limits.sections(x, values, 5.0) == []
+
+
+@pytest.mark.parametrize("base, speed, limit", [
+    (3.0, 200, 7.0), (3.0, 201, 5.0), (20.0, 120, 4.0), (1.0, 120, None), (21.0, 120, None)])
+def test_the_limit_of_twist_depends_on_base_and_speed(base, speed, limit):
+    assert geometry_limits.twist_limit(base, speed) == limit
 
 
 @pytest.mark.parametrize("columns, words", [
