@@ -87,14 +87,16 @@ std::string link_in(io::File& file, const std::string& group, const std::string&
   return path;
 }
 
+// Each rank writes its part: contacts may be more than one rank can hold.
 std::string numbers_in(const par::Comm& comm, io::File& file, const std::string& group,
-                       const ColumnAxis& of, std::size_t length) {
-  std::string path = group + of.numbers;
+                       const char* name, const char* order, std::size_t length) {
+  std::string path = group + name;
   if (file.has(path)) return path;
-  std::vector<std::int64_t> numbers(comm.root() ? length : 0);
-  std::iota(numbers.begin(), numbers.end(), 0);
+  const auto [begin, count] = io::row_range(length, comm.rank(), comm.size());
+  std::vector<std::int64_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), static_cast<std::int64_t>(begin));
   file.write<std::int64_t>(path, numbers, 1,
-                           {"-", std::string("index, counted from 0; order: ") + of.order});
+                           {"-", std::string("index, counted from 0; order: ") + order});
   return path;
 }
 
@@ -111,7 +113,7 @@ void set_column_axis(const par::Comm& comm, io::File& file, const std::string& p
     file.make_axis(x);
     if (!single) file.set_axis(path, dimension, x);
   } else if (!single) {
-    const std::string numbers = numbers_in(comm, file, at.group, of, length);
+    const std::string numbers = numbers_in(comm, file, at.group, of.numbers, of.order, length);
     file.set_axis(path, dimension, numbers);
     if (!x.empty() && !file.has_axis(x, 0)) file.set_axis(x, 0, numbers);
   }
@@ -157,6 +159,18 @@ void set_axes_of_history(const par::Comm& comm, io::File& file, const std::strin
 
 void set_axis_of_envelope(const par::Comm& comm, io::File& file, const std::string& path) {
   set_column_axis(comm, file, path, 0, file.extent(path).at(0));
+}
+
+void set_axes_of_table(const par::Comm& comm, io::File& file, const std::string& path,
+                       const TableAxes& axes) {
+  const Place at(path);
+  const std::vector<std::size_t> extent = file.extent(path);
+  const auto set = [&](std::size_t dimension, const char* name, const char* order) {
+    file.set_axis(path, dimension,
+                  numbers_in(comm, file, at.group, name, order, extent.at(dimension)));
+  };
+  set(0, axes.rows, "that of the file");
+  if (*axes.columns != 0) set(1, axes.columns, axes.order);
 }
 
 void set_axes(const par::Comm& comm, io::File& file) {

@@ -24,7 +24,11 @@ RUNS = {
         "history/wheel/x": ("time", "wheel"), "history/body/roll": ("time",),
         "history/wall/wall.left/force": ("time", "component"),
         "history/ground/velocity_y": ("time", "x"),
-        "envelope/ground/sigma_z_min": ("x",)}),
+        "envelope/ground/sigma_z_min": ("x",),
+        "chains/fill/segments": ("contact", "end"), "chains/fill/force": ("contact",),
+        "stones/fill/centre": ("pebble", "component"), "stones/fill/radius": ("pebble",),
+        "stones/fill/sieved": ("stone", "property"),
+        "surface/fill/top": ("cell", "component")}),
     "tests/restart/tiny_solids.toml": (SOLIDS, {
         "history/solid/bending_stress": ("time", "section"),
         "history/solid/seat_displacement": ("time", "solid_seat")}),
@@ -40,7 +44,7 @@ RUNS = {
 
 
 def groups_of(path):
-    """All groups of histories and envelopes that hold datasets."""
+    """All groups of histories, envelopes and tables of stages that hold datasets."""
     found = ["history"]
 
     def see(group):
@@ -51,7 +55,7 @@ def groups_of(path):
                 see(item)
 
     with h5py.File(path, "r") as file:
-        for top in ("history", "envelope"):
+        for top in ("history", "envelope", "chains", "stones", "surface", "bonds"):
             for item in file.get(top, {}).values():
                 if isinstance(item, h5py.Group):
                     see(item)
