@@ -214,6 +214,8 @@ struct Particles::Impl {
   double radius(std::size_t b) const { return shapes.bound(state.shape[b]) * state.scale[b]; }
   // The first problem of a window is the cause, later ones are mostly its effects. Ranks agree on
   // it at the end of the window.
+  // For messages about overlaps; empty if contacts have the stiffness of their laws.
+  std::string softness() const;
   void report(std::string problem) {
     if (trouble.empty()) trouble = std::move(problem);
   }
@@ -231,6 +233,7 @@ struct Particles::Impl {
   par::Comm comm;
   const Physics declared;  // of the deck
   Physics physics;         // at present: with the stiffness of `set_stiffness`
+  double stiffness = 1;    // of `physics` over `declared`
   Parameters parameters;
   Domain domain;
   LawTable laws;

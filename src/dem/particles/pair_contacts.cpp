@@ -319,8 +319,8 @@ void Particles::Impl::compute_pair_forces(double dt) {
     report(fmt::format(
         "two stones overlap by {:.3g} times the smaller radius (of stones with corners: the "
         "smaller rounding radius), more than dem.largest_overlap = {:.3g}; use a smaller time.step "
-        "or dem.safety, stiffer contacts, or slower loading",
-        worst, parameters.largest_overlap));
+        "or dem.safety, stiffer contacts, or slower loading{}",
+        worst, parameters.largest_overlap, softness()));
 }
 
 }  // namespace trackbed::dem

@@ -294,9 +294,17 @@ void Particles::set_friction(double mu) { impl_->laws.override_friction(mu); }
 void Particles::scale_friction(double factor) { impl_->laws.scale_friction(factor); }
 void Particles::set_stiffness(double fraction) {
   Impl& r = *impl_;
-  r.physics = with_stiffness(r.declared, fraction);
+  r.stiffness = fraction, r.physics = with_stiffness(r.declared, fraction);
   r.laws.set_stiffness(r.physics);
   r.store_near_pairs(), r.near_valid = false;  // they contain limits of overlaps
+}
+
+std::string Particles::Impl::softness() const {
+  if (stiffness >= 1) return "";
+  return fmt::format(
+      "; in this stage, contacts have {:g} times the stiffness of their laws "
+      "(stage.stiffness)",
+      stiffness);
 }
 
 // Positions and histories are kept: the springs stay loaded.

@@ -365,9 +365,10 @@ void Particles::Impl::compute_surface_forces(const SubStep& step) {
   report(fmt::format(
       "particle {} at ({:.3g}, {:.3g}, {:.3g}) m overlaps the surface \"{}\" by {:.3g} times the "
       "{} of its piece (limit dem.largest_overlap = {:.3g}); a slower impact or surface, a smaller "
-      "step, a stiffer contact or less load may help{}",
+      "step, a stiffer contact or less load may help{}{}",
       state.id[b], x.x, x.y, x.z, surfaces[static_cast<std::size_t>(deepest->surface)]->name, worst,
       has_corners(deepest->piece) ? "rounding radius" : "radius", parameters.largest_overlap,
+      softness(),
       worst > 1 ? "; or is the stone behind the surface (opposite to its normal)?" : ""));
 }
 

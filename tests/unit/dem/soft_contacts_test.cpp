@@ -75,6 +75,36 @@ TEST(SoftContacts, AllowLongerSteps) {
   }
 }
 
+// A disk between planes, where Hertz's law depends on the thickness, and a ball whose step the
+// spring of rolling resistance limits.
+TEST(SoftContacts, SoftenPlaneAndRollingContacts) {
+  const auto ratio = [](const dem::Physics& whole, const dem::Domain& domain) {
+    dem::Particles particles(par::Comm::self(), whole, {}, domain);
+    particles.add_template(domain.dimension == Dimension::plane ? test::disk() : test::sphere());
+    dem::NewParticle one;
+    one.scale = radius;
+    particles.add(std::span(&one, 1));
+    const double step = particles.stable_step();
+    particles.set_stiffness(0.01);
+    return particles.stable_step() / step;
+  };
+  constexpr double rounding = 1e-12;
+  dem::Domain plane = test::box(Vec3::Constant(-1), Vec3::Constant(1));
+  plane.dimension = Dimension::plane;
+  EXPECT_NEAR(ratio(physics(dem::LawKind::hertz), plane), 10, 10 * rounding);
+  dem::Physics rolling = physics(dem::LawKind::linear);
+  rolling.laws[0].rolling_friction = 0.1, rolling.laws[0].rolling_stiffness = 3;
+  EXPECT_NEAR(ratio(rolling, test::box(Vec3::Constant(-1), Vec3::Constant(1))), 10, 10 * rounding);
+}
+
+TEST(SoftContacts, AreNamedWhereTheyOverlapTooFar) {
+  Scene scene(dem::LawKind::linear);
+  scene.particles.set_stiffness(1e-5);
+  scene.rest(1);
+  EXPECT_NE(scene.particles.trouble().find("contacts have 1e-05 times the stiffness"),
+            std::string::npos);
+}
+
 TEST(SoftContacts, KeepTheFrictionThatWasSet) {
   Scene scene(dem::LawKind::linear), other(dem::LawKind::linear);
   for (dem::Particles* p : {&scene.particles, &other.particles}) p->set_friction(0.1);
