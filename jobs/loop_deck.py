@@ -61,10 +61,10 @@ def toml(values, path=""):
 def parameters_of(program):
     """Kind and default (None: must be given) of each parameter, by section.name, from the output of
     `describe`."""
-    ran = launch.run([program, "describe"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    ran = launch.run([program, "describe", "all"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                      text=True)
     if ran.returncode:
-        launch.fail(ran, f"{program} describe")
+        launch.fail(ran, f"{program} describe all")
     found, section = {}, ""
     for line in ran.stdout.splitlines():
         if head := re.match(r"## `(.*)`", line):

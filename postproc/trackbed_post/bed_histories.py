@@ -2,7 +2,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measures, signals
+from trackbed_post import measures, signals, support
 from trackbed_post.bed_figures import needs
 
 FILTER = signals.LowPass()
@@ -82,27 +82,30 @@ def stress_paths(runs):
     return figure
 
 
-def support(runs):
-    """Reaction of the stones over the downward displacement of three sleepers in the passage;
-    stiffness of the support and gap of all sleepers."""
+def draw_support(runs):
+    """Reaction of the stones over the displacement of three sleepers relative to the ground in the
+    passage; stiffness of the support and gap of all sleepers."""
     needs(all(len(run.sleepers_x) and run.sleeper for run in runs), "no sleepers")
     figure, (loops, stiff, gaps) = plt.subplots(1, 3, figsize=(14, 4.6))
     text = []
     for run, style in zip(runs, STYLES):
-        found = measures.support(run)
+        found = support.of(run)
         for number, k in enumerate(measures.chosen_sleepers(run)):
             loops.plot(found.lowered[:, k] * 1e3, found.reaction[:, k] / 1e3, style, lw=0.8,
                        color=f"C{number}", label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
-        stiff.plot(run.sleepers_x, found.stiffness / 1e6, style, marker="o", ms=3, lw=1,
-                   label=run.name)
+        for number, (of, what) in enumerate(((found.bed, "bed alone"),
+                                             (found.whole, "with ground"))):
+            stiff.plot(run.sleepers_x, of / 1e6, style, marker="o", ms=3, lw=1, color=f"C{number}",
+                       label=f"{run.name}, {what}")
         gaps.plot(run.sleepers_x, found.gap * 1e3, style, marker="o", ms=3, lw=1, label=run.name)
         text.append(f"{run.name}: {found.hanging} of {len(found.gap)} have a gap above "
-                    f"{1e3 * measures.HANGS:g} mm")
-    loops.set_xlabel("sleeper lowered since the passage began (mm)")
+                    f"{1e3 * support.HANGS:g} mm")
+    loops.set_xlabel("sleeper lowered relative to the ground (mm)")
     loops.set_ylabel("reaction of the stones (kN)")
-    loops.set_title("Loops", fontsize=10)
+    loops.set_title("Loops in the passage", fontsize=10)
     stiff.set_ylabel("stiffness of the support (kN/mm)")
-    stiff.set_title("Stones and ground, secant to the largest reaction", fontsize=10)
+    stiff.set_ylim(bottom=0)
+    stiff.set_title("Secant to the largest reaction", fontsize=10)
     gaps.set_ylabel("gap below the sleeper (mm)")
     gaps.set_title("\n".join(text), fontsize=10)
     for panel in (stiff, gaps):
@@ -137,5 +140,5 @@ def energy_split(runs):
     return figure
 
 
-FIGURES = {"sensors": sensors, "stress_paths": stress_paths, "support": support,
+FIGURES = {"sensors": sensors, "stress_paths": stress_paths, "support": draw_support,
            "energy_split": energy_split}

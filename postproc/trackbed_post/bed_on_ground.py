@@ -8,7 +8,7 @@ import matplotlib.collections
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import bed_figures, bed_histories, measures, read, signals, write
+from trackbed_post import bed_figures, bed_histories, measures, read, signals, support, write
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 
 GRAVITY = 9.81        # m/s^2
@@ -121,29 +121,47 @@ def peak_text(frequency, amplitude, target):
     return "no peak" if peak is None else f"peak at {peak:.2f} Hz"
 
 
+SPECTRA = {"acceleration": ("m/s2", 1), "displacement": ("mm", 1e3), "seat_force": ("kN", 1e-3)}
+
+
+def spectrum_of(run, name):
+    """Frequency, Hz, and amplitude of a quantity in the passage, root mean square over all
+    sleepers."""
+    rows = run.passage()
+    needs(signals.step_of(run.time[rows]) is not None, "histories are not evenly sampled")
+    values = run.sleeper[name].values[rows] * SPECTRA[name][1]
+    if name == "acceleration":
+        values = FILTER(run.time[rows], values)
+    frequency, amplitude = signals.spectrum(run.time[rows], values)
+    return frequency, np.sqrt(np.mean(amplitude**2, axis=1))
+
+
+def table_of_peaks(runs):
+    """Text: peaks of the spectra near the loading frequencies; empty where there are none."""
+    lines = []
+    for run in runs:
+        marks = measures.loading_frequencies(run)
+        if not marks or not run.sleeper or signals.step_of(run.time[run.passage()]) is None:
+            continue
+        lines += ["", f"spectra of sleepers near the loading frequencies, {run.name}"]
+        for name in ("acceleration", "seat_force"):
+            found = spectrum_of(run, name)
+            lines += [f"  {name.replace('_', ' '):<16}{f'{mark} = {target:.2f} Hz':<24}"
+                      f"{peak_text(*found, target)}" for mark, target in marks.items()]
+    return "\n".join(lines) + "\n" if lines else ""
+
+
 def spectra(runs):
     """Amplitude spectra of the sleepers in the passage, root mean square over all sleepers."""
     needs(all(run.sleeper for run in runs), "no sleepers")
-    names = {"acceleration": ("m/s2", 1), "displacement": ("mm", 1e3), "seat_force": ("kN", 1e-3)}
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(9, 9))
     marks = measures.loading_frequencies(runs[0])
-    text = []
     for run, colour in zip(runs, COLOURS):
-        rows = run.passage()
-        needs(signals.step_of(run.time[rows]) is not None, "histories are not evenly sampled")
-        for panel, (name, (unit, factor)) in zip(panels, names.items()):
-            values = run.sleeper[name].values[rows] * factor
-            if name == "acceleration":
-                values = FILTER(run.time[rows], values)
-            frequency, amplitude = signals.spectrum(run.time[rows], values)
-            mean = np.sqrt(np.mean(amplitude**2, axis=1))
+        for panel, (name, (unit, _)) in zip(panels, SPECTRA.items()):
+            frequency, mean = spectrum_of(run, name)
             shown = frequency <= SHOWN_HZ
             panel.plot(frequency[shown], mean[shown], color=colour, lw=1, label=run.name)
             panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
-            if name != "displacement" and marks:
-                text += [f"{run.name}, {name.replace('_', ' ')}: " + ", ".join(
-                    f"{mark} = {target:.2f} Hz: {peak_text(frequency, mean, target)}"
-                    for mark, target in marks.items())]
     for panel in panels:
         for mark, target in marks.items():
             panel.axvline(target, color="0.4", lw=0.8, ls=":")
@@ -153,8 +171,7 @@ def spectra(runs):
     panels[0].set_ylabel(f"acceleration (m/s2)\n{FILTER.name_for(sampled)}", fontsize=9)
     panels[0].legend(fontsize=8)
     panels[-1].set_xlabel("frequency (Hz)")
-    panels[0].set_title("\n".join(["Spectra of sleepers, root mean square over all", *text]),
-                        fontsize=9)
+    panels[0].set_title("Spectra of sleepers, root mean square over all", fontsize=10)
     return figure
 
 
@@ -311,6 +328,7 @@ def draw_all(runs, folder):
         figure.tight_layout(rect=(0, write.ORIGIN, 1, 1))
         folder.picture(name, figure)
     text = measures.table(runs) + "".join(measures.region_table(run) for run in runs)
+    text += support.table(runs) + table_of_peaks(runs)
     text += "".join(f"warning of {run.name}: {line}\n" for run in runs for line in run.warnings)
     folder.table("table.txt", text)
 

@@ -9,8 +9,6 @@ import numpy as np
 
 from trackbed_post import read
 
-SECANT = 0.2     # of the increase of the reaction, where the secant of the support begins
-HANGS = 1e-4     # m, a larger gap means that a sleeper hangs
 REACHED = 0.9    # the transition ends where this fraction of the change is reached
 CLEAR = 0.10     # a smaller relative difference of two runs is no clear effect
 LASTING = 1e-3   # m, a larger residual displacement of a sleeper means that stones have moved
@@ -268,12 +266,21 @@ def table(runs):
     return "\n".join(lines) + "\n"
 
 
+def ground_lowered(results):
+    """Downward displacement of the ground's top below each sleeper since the passage began, m,
+    [time, sleeper]; zero on a rigid floor."""
+    rows = results.passage()
+    count = len(results.time[rows])
+    if "displacement" not in results.ground or not len(results.ground_x):
+        return np.zeros((count, len(results.sleepers_x)))
+    height = results.ground["displacement"].values[rows]
+    return np.stack([np.interp(results.sleepers_x, results.ground_x, row)
+                     for row in height[0] - height]).reshape(count, -1)
+
+
 def residual_ground(results):
     """Residual downward displacement of the ground's top below each sleeper, m."""
-    if "displacement" not in results.ground or not len(results.ground_x):
-        return np.zeros(len(results.sleepers_x))
-    height = results.ground["displacement"].values[results.passage()]
-    return np.interp(results.sleepers_x, results.ground_x, height[0] - height[-1])
+    return ground_lowered(results)[-1]
 
 
 def warnings(results):
@@ -355,7 +362,7 @@ REGION_ROWS = (("void ratio", "-"), ("bulk density", "kg/m3"), ("coordination nu
                ("compression zz", "kPa"), ("fabric zz", "-"))
 
 
-def region_numbers(region, row):
+def region_numbers(region, row, plane=False):
     """REGION_ROWS of one region at one row of the histories; mean over its cells, weighted by the
     number of stones or contacts of each."""
     def weighted(quantity, weight):
@@ -364,6 +371,8 @@ def region_numbers(region, row):
         return (counts @ values) / total if total else 0 * values[0]
     solid = 1 - region["porosity"].values[row].mean()
     stress = -region["stress"].values[row].mean(axis=0) / 1e3
+    if plane:
+        stress[1] = NOWHERE  # it is not computed
     return [(1 - solid) / solid if solid else NOWHERE, region["bulk_density"].values[row].mean(),
             weighted("coordination", "stones"), weighted("contact_force", "contacts"),
             *stress[:3], weighted("fabric", "contacts")[2]]
@@ -378,10 +387,12 @@ def region_table(run):
     lines = ["", f"regions of {run.name} at the end of stages"]
     for name, region in run.regions.items():
         lines.append(f"{name:<32}" + "".join(f"{names[run.stage[end]]:>12}" for end in ends))
-        columns = [region_numbers(region, end) for end in ends]
+        plane = run.deck.get("dimension", "plane") == "plane"
+        columns = [region_numbers(region, end, plane) for end in ends]
         for number, (label, unit) in enumerate(REGION_ROWS):
             lines.append(f"  {label:<22}{unit:>8}"
-                         + "".join(f"{column[number]:12.4g}" for column in columns))
+                         + "".join(f"{value:12.4g}" if np.isfinite(value := column[number])
+                                   else f"{'-':>12}" for column in columns))
     return "\n".join(lines) + "\n"
 
 
@@ -403,44 +414,6 @@ def principal_direction(stress):
     compression = -np.asarray(stress)
     xx, zz, xz = (compression[..., k] for k in (0, 2, 4))
     return np.arctan2(2 * xz, zz - xx) / 2
-
-
-@dataclasses.dataclass(frozen=True)
-class Support:
-    """What stones and ground below each sleeper do in the passage."""
-    lowered: np.ndarray    # [time, sleeper], m, downwards since its first row
-    reaction: np.ndarray   # [time, sleeper], N
-    stiffness: np.ndarray  # N/m, secant of the reaction from SECANT of its increase to the largest
-    gap: np.ndarray        # m, where this secant has the reaction of the first row; at least 0
-
-    @property
-    def hanging(self):
-        """Number of sleepers that hang."""
-        return int(np.count_nonzero(self.gap > HANGS))
-
-
-def support(results):
-    """The load of a sleeper is followed backwards from its largest reaction to SECANT of the
-    increase since the first row, which must be before the load of the train."""
-    rows = results.passage()
-    height = results.sleeper["displacement"].values[rows]
-    reaction = results.sleeper["reaction"].values[rows]
-    lowered = height[0] - height
-    stiffness, gap = np.full(lowered.shape[1], NOWHERE), np.zeros(lowered.shape[1])
-    for k in range(lowered.shape[1]):
-        most = int(np.argmax(reaction[:, k]))
-        level = reaction[0, k] + SECANT * (reaction[most, k] - reaction[0, k])
-        below = np.flatnonzero(reaction[:most, k] <= level)
-        if not len(below):
-            continue
-        last = below[-1]   # the secant begins between this row and the next one
-        part = (level - reaction[last, k]) / (reaction[last + 1, k] - reaction[last, k])
-        begin = lowered[last, k] + part * (lowered[last + 1, k] - lowered[last, k])
-        way = lowered[most, k] - begin
-        if way > 0:
-            stiffness[k] = (reaction[most, k] - level) / way
-            gap[k] = max(begin - (level - reaction[0, k]) / stiffness[k], 0.0)
-    return Support(lowered, reaction, stiffness, gap)
 
 
 def chosen_sleepers(run):

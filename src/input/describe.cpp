@@ -88,6 +88,8 @@ std::string cell(const std::string& text) {
   return escaped;
 }
 
+constexpr int section_column = 28;  // characters, of the names in the list of sections
+
 constexpr const char* about_top =
     "Values before the first section of the deck. Words in brackets at the end of a meaning, such "
     "as "
@@ -147,6 +149,17 @@ const Spec* find(const Spec& spec, const std::string& path, std::vector<std::str
   return nullptr;
 }
 
+// A line for each section, those within it indented.
+void outline(const std::vector<Spec>& parts, int depth, std::string& out) {
+  constexpr int indent = 2;
+  for (const Spec& part : parts) {
+    if (!is_group(part)) continue;
+    out += fmt::format("{:{}}{:<{}} {}\n", "", indent * depth, header_of(part, part.is_list()),
+                       section_column - indent * depth, part.meaning);
+    outline(part.is_list() ? part.element() : part.parts, depth + 1, out);
+  }
+}
+
 // A line for each section or parameter whose path or meaning contains `word`.
 void mention(const Spec& spec, const std::string& word, std::string& out) {
   for (const Spec& part : spec.is_list() ? spec.element() : spec.parts) {
@@ -160,12 +173,18 @@ void mention(const Spec& spec, const std::string& word, std::string& out) {
 
 }  // namespace
 
-// All sections, one section or a single parameter, by the same path that overrides use; any other
-// word is looked for in all of them.
+// A list of the sections (nothing given), all parameters, one section or a single parameter, by the
+// same path that overrides use; any other word is looked for in all of them.
 std::string describe(const Declaration& declaration, const std::string& section) {
   const Spec root = collect(declaration, Lists::at_least_one_element);
   std::string out;
   if (section.empty()) {
+    outline(root.parts, 0, out);
+    return out +
+           "\nParameters: describe SECTION, describe WORD (a word to look for), or describe "
+           "all (as in docs/input.md).\n";
+  }
+  if (section == "all") {
     markdown(root, root.parts, false, out);
     return out.substr(std::min<std::size_t>(out.size(), 1));  // no blank line at the start
   }

@@ -4,8 +4,10 @@
 //
 // Cost: linear comparison of names with the members of a section, some twenty names.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "input/reader.hpp"
 
@@ -109,9 +111,15 @@ void Reader::report_unknown(const Frame& frame) {
 
 void Reader::finish() {
   sections_ = open_.back().known;
+  for (const auto& [name, value] : open_.back().node->members) given_.push_back(name);
   leave();
   for (const Unknown& unknown : unknown_)
     problems_.append(unknown.problem, describe_unknown(unknown));
+}
+
+bool Reader::is_a_name(const std::string& word) const {
+  return std::any_of(paths_.begin(), paths_.end(),
+                     [&](const auto& known) { return last_word(known.path) == word; });
 }
 
 // A name of another model's deck, or a typing error.
@@ -123,29 +131,73 @@ std::string Reader::describe_unknown(const Unknown& unknown) const {
   });
   const char* kind = unknown.node->is_value() ? "parameter" : "section";
   if (elsewhere) return fmt::format(" is not a {} of a deck with this `model`; leave it out", kind);
-  return fmt::format(" is not a {}{}", kind, did_you_mean(suggestion(unknown)));
+  if (const std::string near = suggestion(unknown); !near.empty())
+    return fmt::format(" is not a {}{}", kind, did_you_mean(near));
+  return fmt::format(" is not a {}{}", kind,
+                     is_a_name(unknown.name)
+                         ? fmt::format("; `trackbed describe {}` lists other parameters of this "
+                                       "name",
+                                       unknown.name)
+                         : "");
 }
 
-// The nearest name of the same section, else the nearest one in any section of this model. A
-// parameter may be in the wrong section: its full path then shows where it belongs.
+namespace {
+
+std::string top_of(const std::string& path) { return path.substr(0, path.find_first_of(".[")); }
+
+// "ground.layer[1]" -> "ground.layer[]"
+std::string without_numbers(const std::string& path) {
+  std::string out;
+  for (const char c : path)
+    if (std::isdigit(static_cast<unsigned char>(c)) == 0 || out.empty() || out.back() != '[')
+      out += c;
+  return out;
+}
+
+}  // namespace
+
+// The nearest name of the same section, else the nearest one of the lists and sections within it,
+// else of the other sections that the deck has: a parameter may be in the wrong one, and its full
+// path then shows where it belongs. The name of a parameter of a section that the deck lacks would
+// mislead, unlike one that is only similar to it.
 std::string Reader::suggestion(const Unknown& unknown) const {
   if (const std::string near = nearest(unknown.name, unknown.known); !near.empty())
     return unknown.section.empty() ? near : fmt::format("{}.{}", unknown.section, near);
-  std::vector<const ParameterInfo*> possible;
-  std::vector<std::string> words;
-  for (const ParameterInfo& parameter : paths_) {
-    const std::string top = parameter.path.substr(0, parameter.path.find_first_of(".["));
-    if (std::find(sections_.begin(), sections_.end(), top) == sections_.end()) continue;
-    possible.push_back(&parameter), words.push_back(last_word(parameter.path));
+  const std::string within = without_numbers(unknown.section);
+  const auto choose = [&](auto&& fits) -> std::string {
+    std::vector<const ParameterInfo*> possible;
+    std::vector<std::string> words;
+    for (const ParameterInfo& parameter : paths_)
+      if (fits(parameter.path))
+        possible.push_back(&parameter), words.push_back(last_word(parameter.path));
+    const std::string near = nearest(unknown.name, words);
+    std::vector<std::string> found;
+    for (const ParameterInfo* parameter : possible)
+      // "stage[0].start ...; did you mean start?" would seem to suggest the same name.
+      if (!near.empty() && last_word(parameter->path) == near)
+        found.push_back(parameter->path + (parameter->path == near && !unknown.section.empty()
+                                               ? " at the top of the deck"
+                                               : ""));
+    constexpr std::size_t most = 3;
+    if (found.size() > most) found.resize(most);
+    return fmt::format("{}", fmt::join(found, " or "));
+  };
+  if (!within.empty()) {
+    const std::string inner = choose([&](const std::string& path) {
+      return path.starts_with(within + ".") || path.starts_with(within + "[");
+    });
+    if (!inner.empty()) return inner;
   }
-  const std::string near = nearest(unknown.name, words);
-  for (const ParameterInfo* parameter : possible) {
-    if (near.empty() || last_word(parameter->path) != near) continue;
-    // "stage[0].start ...; did you mean start?" would seem to suggest the same name.
-    const bool top = parameter->path == near && !unknown.section.empty();
-    return parameter->path + (top ? " at the top of the deck" : "");
-  }
-  return "";
+  const auto known = [&](const std::string& path) {
+    return std::find(sections_.begin(), sections_.end(), top_of(path)) != sections_.end();
+  };
+  const std::string given = choose([&](const std::string& path) {
+    const std::string top = top_of(path);
+    return known(path) &&
+           (top == path || std::find(given_.begin(), given_.end(), top) != given_.end());
+  });
+  if (!given.empty() || is_a_name(unknown.name)) return given;
+  return choose(known);
 }
 
 }  // namespace trackbed::input

@@ -161,16 +161,32 @@ void set_axis_of_envelope(const par::Comm& comm, io::File& file, const std::stri
   set_column_axis(comm, file, path, 0, file.extent(path).at(0));
 }
 
-void set_axes_of_table(const par::Comm& comm, io::File& file, const std::string& path,
-                       const TableAxes& axes) {
-  const Place at(path);
-  const std::vector<std::size_t> extent = file.extent(path);
-  const auto set = [&](std::size_t dimension, const char* name, const char* order) {
-    file.set_axis(path, dimension,
-                  numbers_in(comm, file, at.group, name, order, extent.at(dimension)));
+void set_axes_of_snapshot(const par::Comm& comm, io::File& file, const std::string& stage) {
+  // Names of the axes of a table, and the order of its columns; only rows for a list of numbers.
+  struct Axes {
+    const char *table, *rows, *columns = "", *order = "";
   };
-  set(0, axes.rows, "that of the file");
-  if (*axes.columns != 0) set(1, axes.columns, axes.order);
+  constexpr std::array tables = {
+      Axes{"chains/%/segments", "contact", "end", "x0 z0 x1 z1"},
+      Axes{"chains/%/force", "contact"},
+      Axes{"stones/%/centre", "pebble", "component", "x z"},
+      Axes{"stones/%/radius", "pebble"},
+      Axes{"stones/%/sieved", "stone", "property", "sieve, mass"},
+      Axes{"surface/%/top", "cell", "component", "x y z"},
+      Axes{"bonds/%/whole", "bond", "bond_property", "as the description of the table"},
+      Axes{"bonds/%/broken", "broken_bond", "break_property", "as the description of the table"}};
+  for (const Axes& axes : tables) {
+    std::string path = axes.table;
+    path.replace(path.find('%'), 1, stage);
+    if (!file.has(path)) continue;
+    const auto set = [&](std::size_t dimension, const char* name, const char* order) {
+      const std::size_t length = file.extent(path).at(dimension);
+      file.set_axis(path, dimension,
+                    numbers_in(comm, file, Place(path).group, name, order, length));
+    };
+    set(0, axes.rows, "that of the file");
+    if (*axes.columns != 0) set(1, axes.columns, axes.order);
+  }
 }
 
 void set_axes(const par::Comm& comm, io::File& file) {

@@ -33,14 +33,9 @@ std::vector<std::string> histories(const io::File& file);
 void set_axes_of_history(const par::Comm& comm, io::File& file, const std::string& path);
 // Gives an envelope the axis of its places.
 void set_axis_of_envelope(const par::Comm& comm, io::File& file, const std::string& path);
-// Names of the axes of a table, and the order of its columns; only rows for a list of numbers.
-struct TableAxes {
-  const char *rows, *columns = "", *order = "";
-};
-// Gives a table its axes: numbers of rows and columns, within its own group, where those that exist
-// are shared. Collective.
-void set_axes_of_table(const par::Comm& comm, io::File& file, const std::string& path,
-                       const TableAxes& axes);
+// Gives the tables that a stage has their axes: numbers of rows and columns, within their own
+// group, where those that exist are shared. Collective.
+void set_axes_of_snapshot(const par::Comm& comm, io::File& file, const std::string& stage);
 // Those of all histories and envelopes of a new file.
 void set_axes(const par::Comm& comm, io::File& file);
 

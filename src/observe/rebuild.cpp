@@ -52,12 +52,14 @@ void copy_histories(const par::Comm& comm, const io::File& from, io::File& to, s
 }
 
 // By names of stages, not by time: a stage that was incomplete at the checkpoint has no snapshot.
-void copy_snapshots(const io::File& from, io::File& to, const std::vector<std::string>& stages) {
+void copy_snapshots(const par::Comm& comm, const io::File& from, io::File& to,
+                    const std::vector<std::string>& stages) {
   for (const char* place : {"sleepers/x", "ground/x"})
     if (from.has(place)) copy_table(from, to, place);
   for (const std::string& stage : stages) {
     for (const char* group : {"chains/", "stones/", "surface/", "bonds/"})
-      for (const std::string& path : members(from, group + stage)) copy_table(from, to, path);
+      for (const std::string& path : columns(from, group + stage)) copy_table(from, to, path);
+    set_axes_of_snapshot(comm, to, stage);
     if (const std::string breaks = "breaks/" + stage; from.has(breaks))
       copy_table(from, to, breaks);
   }
@@ -154,7 +156,7 @@ void Results::resume(const std::string& old_path, std::int64_t rows,
       io::File file(impl.comm, part, io::Mode::create);
       impl.put_head(file);
       copy_histories(impl.comm, old, file, wanted);
-      copy_snapshots(old, file, finished);
+      copy_snapshots(impl.comm, old, file, finished);
       const bool with_envelope =
           old.has("envelope") && old.integer_attribute("envelope", "rows") <= rows;
       if (with_envelope) copy_envelope(old, file);

@@ -59,22 +59,6 @@ Stones stones_of(const dem::Particles& particles) {
   return stones;
 }
 
-// Those that a stage has.
-void set_axes_of_tables(const par::Comm& comm, io::File& file, const std::string& stage) {
-  const auto set = [&](const char* group, const char* name, const TableAxes& axes) {
-    const std::string path = std::string(group) + "/" + stage + "/" + name;
-    if (file.has(path)) set_axes_of_table(comm, file, path, axes);
-  };
-  set("chains", "segments", {"contact", "end", "x0 z0 x1 z1"});
-  set("chains", "force", {"contact"});
-  set("stones", "centre", {"pebble", "component", "x z"});
-  set("stones", "radius", {"pebble"});
-  set("stones", "sieved", {"stone", "property", "sieve, mass"});
-  set("surface", "top", {"cell", "component", "x y z"});
-  set("bonds", "whole", {"bond", "bond_property", "as the description of the table"});
-  set("bonds", "broken", {"broken_bond", "break_property", "as the description of the table"});
-}
-
 }  // namespace
 
 // Collective.
@@ -131,7 +115,7 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
       file.write<double>("surface/" + stage + "/top", own, 3,
                          {"m", "x, y of each cell, and z of the highest stone in the cell"});
     file.write<double>(pebbles + "/radius", stones.radius, 1, {"m", "of each pebble"});
-    set_axes_of_tables(impl_->comm, file, stage);
+    set_axes_of_snapshot(impl_->comm, file, stage);
     if (!impl_->times.empty()) impl_->append_to(file);  // saves a flush
   });
 }

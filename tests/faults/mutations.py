@@ -130,7 +130,7 @@ MUTATIONS = (extreme_number, extreme_number, extreme_number, scaled_number, scal
 
 def parameters_of(program):
     """Keys of all parameters; elements of lists have the number 0."""
-    text = subprocess.run([program, "describe"], capture_output=True, text=True,
+    text = subprocess.run([program, "describe", "all"], capture_output=True, text=True,
                           check=True).stdout
     found, section = [], ""
     for line in text.splitlines():

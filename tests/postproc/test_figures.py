@@ -8,7 +8,7 @@ import made
 import matplotlib.image
 import numpy as np
 import pytest
-from trackbed_post import bed_on_ground, measures, read, write
+from trackbed_post import bed_on_ground, measures, read, support, write
 
 
 def test_figures_of_two_runs_are_drawn(runs, tmp_path):
@@ -128,18 +128,38 @@ def test_support_of_sleepers(runs):
     # 30 kN/mm from the first row on, above a weight of 3 % of the largest reaction.
     reaction = 2e3 + 30e6 * way
     reaction[:, 3] = 40e6 * np.maximum(way[:, 3] - 0.5e-3, 0)   # hangs by 0.5 mm
-    found = measures.support(with_support(run, way, reaction))
-    assert found.stiffness[0] == pytest.approx(30e6)
+    found = support.of(with_support(run, way, reaction))
+    assert found.bed[0] == pytest.approx(30e6) and found.whole[0] == pytest.approx(30e6)
     assert found.gap[0] == pytest.approx(0, abs=1e-12)
     assert found.gap[3] == pytest.approx(0.5e-3, abs=1e-9)
-    assert found.stiffness[3] == pytest.approx(40e6)
+    assert found.bed[3] == pytest.approx(40e6)
     assert found.hanging == 1
-    loops, stiff, gaps = bed_on_ground.bed_histories.support(
+    loops, stiff, gaps = bed_on_ground.bed_histories.draw_support(
         [with_support(run, way, reaction)]).axes
     assert "1 of" in gaps.get_title()
     assert stiff.lines[0].get_ydata()[0] == pytest.approx(30)
     assert loops.lines[0].get_ydata().max() == pytest.approx(62, rel=1e-5)
     bed_on_ground.plt.close("all")
+
+
+def test_support_is_relative_to_the_ground(runs):
+    """A sleeper that sinks with the ground before its own load comes does not hang."""
+    run = runs[0]
+    time = run.time - run.time[run.passage()][0]
+    press = np.sin(np.pi * np.clip(time - 1, 0, 1))     # its load, in the second second
+    sunk = 1e-3 * np.clip(time, 0, 1)                   # the ground, in the first
+    count, nodes = len(run.sleepers_x), len(run.ground_x)
+    way = np.repeat((sunk + 1e-3 * press)[:, None], count, axis=1)
+    run = with_support(run, way, np.repeat((2e3 + 30e3 * press)[:, None], count, axis=1))
+    run = dataclasses.replace(run, ground={"displacement": read.Quantity(
+        np.repeat(-sunk[:, None], nodes, axis=1), "m", "-")})
+    found = support.of(run)
+    assert found.bed == pytest.approx(30e6) and found.gap == pytest.approx(0, abs=1e-9)
+    assert found.hanging == 0
+    table = support.table([run])
+    assert "0 of" in table and table.count("\n") == 4 + count
+    bare = support.of(dataclasses.replace(run, ground={}))
+    assert bare.gap.min() > 0.9e-3
 
 
 def test_directions_that_turn_over_are_not_joined():

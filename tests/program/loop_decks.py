@@ -142,7 +142,7 @@ def check_defaults(loops, text):
     """Missing keys have the defaults of the program: here of one with another default."""
     real, other = loops.program.read_text(encoding="utf-8"), loops.program.with_name("other")
     output = other.with_suffix(".sh")
-    output.write_text(f'#!/bin/sh\n"{loops.program}" describe | '
+    output.write_text(f'#!/bin/sh\n"{loops.program}" describe all | '
                     "sed 's/^| `before` | whole number | - | `20`/| `before` | whole number | - | "
                     "`18`/'\n", encoding="utf-8")
     other.write_text(real.replace("exec ", f'[ "$1" = describe ] && exec sh {output}\nexec '),

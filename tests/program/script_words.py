@@ -94,7 +94,7 @@ def check_spared(program, source, folder):
     same()
     # The next loop gets a program that only checks and fails on the first run.
     checks = folder / "checks"
-    checks.write_text(f'#!/bin/sh\nif [ "$1" = describe ]; then exec {program} describe; fi\n'
+    checks.write_text(f'#!/bin/sh\nif [ "$1" = describe ]; then exec {program} describe all; fi\n'
                       'test "$1" = check\n', encoding="utf-8")
     checks.chmod(0o755)
     refused_later = [loop, checks, given, place, "--force"]

@@ -12,12 +12,12 @@ import re
 import subprocess
 import sys
 
-DOCUMENTS = {"docs/input.md": "describe", "docs/input.schema.json": "schema"}
+DOCUMENTS = {"docs/input.md": "describe all", "docs/input.schema.json": "schema"}
 SHOWN_LINES = 40
 
 
 def output_of(program, command):
-    run = subprocess.run([program, command], capture_output=True, text=True, check=False)
+    run = subprocess.run([program, *command.split()], capture_output=True, text=True, check=False)
     if run.returncode or not run.stdout:
         raise SystemExit(f"{program} {command} ended with {run.returncode}: {run.stderr}")
     return run.stdout

@@ -55,7 +55,8 @@ class Deck {
 // All parameters with their current values as a deck, which reads back to the same values (numbers
 // with 17 digits): the effective input stored in every result.
 std::string effective(const Declaration& declaration);
-// Markdown reference (docs/input.md) or, for one section path, the same on a terminal.
+// List of the sections; "all": Markdown reference (docs/input.md); for one section path the same on
+// a terminal.
 // Throws InputError with the nearest name if `section` does not exist.
 std::string describe(const Declaration& declaration, const std::string& section = "");
 // JSON schema, draft 2020-12.

@@ -168,10 +168,10 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
                   "bed.cell)")
       ->delimiter(',')
       ->check(CLI::Range(1, 65536));
-  sub = command("describe", "Print the reference of all parameters, or of one section", describe);
-  sub->add_option(
-      "section", arguments.section,
-      "A section or parameter, for example ground or train.speed, or a word to look for");
+  sub = command("describe", "List the sections of a deck, or print the reference of one", describe);
+  sub->add_option("section", arguments.section,
+                  "A section or parameter, for example ground or train.speed, a word to look for, "
+                  "or all");
   command("schema", "Print the JSON schema of decks", schema);
   sub = command("info", "Print how far a run is, or the contents of a checkpoint or a results file",
                 info);

@@ -124,7 +124,7 @@ void declare_height(const GroundParameters& ground, std::size_t number, Section&
             (ground.edges(2).back() - ground.edges(2).front()) /
                 static_cast<double>(ground.elements_z)),
         about);
-  constexpr double odd = 0.25;  // of its height: larger deviations are reported
+  constexpr double odd = 0.1;  // of its height: larger deviations are reported
   s.rule(
       key, std::abs(made - asked) <= odd * asked,
       fmt::format("becomes {:.3g} m, the total height of the rows of elements whose centres are in "

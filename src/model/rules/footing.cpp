@@ -73,7 +73,8 @@ void declare_track(const Model& model, input::Section& s) {
                      last, track.length, track.run_in),
          about);
   s.rule("train.start", model.track.train.vehicles.empty() || model.track.train.start <= 0,
-         "must be at most 0 m on a ground: the train comes from the rigid rail before the track",
+         "must be given and be at most 0 m on a ground: the train comes from the rigid rail before "
+         "the track",
          {.reads = {"train", "model"}});
 }
 

@@ -114,9 +114,11 @@ void declare_place(const Model& model, input::Section& s) {
                      "run-out beyond it",
                      last + track.run_in, last),
          about);
-  s.rule("train.start", model.track.train.start <= 0,
-         "must be at most 0 m on a bed: the train comes from the rigid rail before the track",
-         {.reads = {"train", "stage"}});
+  s.rule(
+      "train.start", model.track.train.start <= 0,
+      "must be given and be at most 0 m on a bed: the train comes from the rigid rail before the "
+      "track",
+      {.reads = {"train", "stage"}});
 }
 
 // The bed's sleepers have their own mass and lie on stones: zones affect only rail, pads

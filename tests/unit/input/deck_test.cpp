@@ -117,6 +117,16 @@ TEST(Deck, FindsTheNearestNameElsewhereIfNoneIsNear) {
             }));
 }
 
+// The same name in sections that the deck lacks is no suggestion, in lists of the section it is
+// one.
+TEST(Deck, SuggestsNoParametersOfSectionsThatAreMissing) {
+  EXPECT_EQ(problems_of("[dem]\nyoung = 2\n"),
+            (Sentences{"deck.toml:2: dem.young is not a parameter; `trackbed describe young` lists "
+                       "other parameters of this name"}));
+  EXPECT_EQ(problems_of("[dem]\nyoung = 2\n[[layer]]\nyoung = 1\n"),
+            (Sentences{"deck.toml:2: dem.young is not a parameter; did you mean layer[].young?"}));
+}
+
 TEST(Deck, ReportsSyntaxErrorsWithTheirLine) {
   const auto start = [](const std::string& text) {
     const Sentences problems = problems_of(text);

@@ -24,7 +24,7 @@ TEST(Reference, ListsAllParameters) {
 
 TEST(Reference, DescribesAllParameters) {
   Example e;
-  const std::string text = describe(declaration_of(e));
+  const std::string text = describe(declaration_of(e), "all");
   for (const std::string& path : paths()) {
     const std::string row = "\n| `" + path.substr(path.rfind('.') + 1) + "` |";
     EXPECT_NE(text.find(row), std::string::npos) << row;
@@ -35,6 +35,15 @@ TEST(Reference, DescribesAllParameters) {
   EXPECT_NE(text.find("| Force \\| overlap law. |"), std::string::npos) << text;
   EXPECT_NE(text.find("## `[[layer]]`\n\nGround, from the top.\n"), std::string::npos) << text;
   EXPECT_TRUE(e.layers.empty());  // describing changes nothing
+}
+
+TEST(Reference, ListsTheSections) {
+  Example e;
+  const std::string text = describe(declaration_of(e));
+  EXPECT_EQ(text.find("[dem]  "), 0U) << text;
+  EXPECT_NE(text.find("\n[[layer]]                    Ground, from the top.\n"), std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("skin"), std::string::npos) << text;
 }
 
 TEST(Reference, DescribesOneSection) {

@@ -1,0 +1,74 @@
+"""Support of sleepers in a passage: stiffness of the bed alone and with the ground, gaps."""
+import dataclasses
+
+import numpy as np
+
+from trackbed_post import measures
+
+SECANT = 0.2  # of the increase of the reaction, where the secant of the support begins
+HANGS = 1e-4  # m, a larger gap means that a sleeper hangs
+
+
+@dataclasses.dataclass(frozen=True)
+class Support:
+    """What stones and ground below each sleeper do in the passage."""
+    lowered: np.ndarray    # [time, sleeper], m, downwards relative to the ground
+    reaction: np.ndarray   # [time, sleeper], N
+    bed: np.ndarray        # N/m, secant of the reaction over `lowered`
+    whole: np.ndarray      # N/m, the same over the displacement itself: with the ground
+    gap: np.ndarray        # m, where the secant of the bed has the first reaction; at least 0
+
+    @property
+    def hanging(self):
+        """Number of sleepers that hang."""
+        return int(np.count_nonzero(self.gap > HANGS))
+
+
+def of(results):
+    """The load of a sleeper is followed backwards from its largest reaction to SECANT of the
+    increase since the first row, which must be before the load of the train."""
+    rows = results.passage()
+    height = results.sleeper["displacement"].values[rows]
+    reaction = results.sleeper["reaction"].values[rows]
+    whole = height[0] - height
+    lowered = whole - measures.ground_lowered(results)
+    count = lowered.shape[1]
+    found = Support(lowered, reaction, np.full(count, measures.NOWHERE),
+                    np.full(count, measures.NOWHERE), np.zeros(count))
+    for k in range(count):
+        most = int(np.argmax(reaction[:, k]))
+        level = reaction[0, k] + SECANT * (reaction[most, k] - reaction[0, k])
+        below = np.flatnonzero(reaction[:most, k] <= level)
+        if not len(below):
+            continue
+        last = below[-1]   # the secant begins between this row and the next one
+        part = (level - reaction[last, k]) / (reaction[last + 1, k] - reaction[last, k])
+
+        def way(values):
+            begin = values[last, k] + part * (values[last + 1, k] - values[last, k])
+            return begin, values[most, k] - begin
+
+        rise = reaction[most, k] - level
+        begin, pressed = way(lowered)
+        if pressed > 0:
+            found.bed[k] = rise / pressed
+            found.gap[k] = max(begin - (level - reaction[0, k]) / found.bed[k], 0.0)
+        if (sunk := way(whole)[1]) > 0:
+            found.whole[k] = rise / sunk
+    return found
+
+
+def table(runs):
+    """Text: of each sleeper the stiffness and the gap; empty without sleepers."""
+    lines = []
+    for run in runs:
+        if not len(run.sleepers_x) or not run.sleeper:
+            continue
+        found = of(run)
+        lines += ["", f"support of sleepers in the passage, {run.name}: {found.hanging} of "
+                  f"{len(found.gap)} have a gap above {1e3 * HANGS:g} mm",
+                  f"{'x':>10}{'bed alone':>14}{'with ground':>14}{'gap':>10}",
+                  f"{'m':>10}{'kN/mm':>14}{'kN/mm':>14}{'mm':>10}"]
+        lines += [f"{x:10.3f}{bed / 1e6:14.4g}{whole / 1e6:14.4g}{1e3 * gap:10.3f}"
+                  for x, bed, whole, gap in zip(run.sleepers_x, found.bed, found.whole, found.gap)]
+    return "\n".join(lines) + "\n" if lines else ""
