@@ -10,7 +10,13 @@ install(PROGRAMS cmake/trackbed_post.sh RENAME trackbed_post DESTINATION ${CMAKE
 # Where the first line of each deck names it.
 install(FILES docs/input.schema.json DESTINATION ${trackbed_data}/docs)
 install(FILES README.md CHANGELOG.md CITATION.cff LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN decisions EXCLUDE)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# Documents link to decks as in the source.
+file(RELATIVE_PATH trackbed_decks "${CMAKE_INSTALL_FULL_DOCDIR}"
+     "${CMAKE_INSTALL_FULL_DATADIR}/trackbed/inputs")
+file(MAKE_DIRECTORY "${CMAKE_BINARY_DIR}/installed")
+file(CREATE_LINK "${trackbed_decks}" "${CMAKE_BINARY_DIR}/installed/inputs" SYMBOLIC)
+install(FILES "${CMAKE_BINARY_DIR}/installed/inputs" DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES cmake/completion.bash RENAME trackbed
         DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 

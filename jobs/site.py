@@ -24,10 +24,12 @@ DOCS = ROOT / "docs"
 CHAPTERS = {
     "First steps": ("tutorial", "gallery", "cookbook"),
     "User guide": ("running", "track", "bed", "stones", "ground", "solid_track", "shapes",
-                   "laboratory", "postproc", "monitoring"),
-    "Studies": ("studies/netirail/README", "studies/shi/README",
-                "studies/demfem/README", "studies/chen/README"),
-    "Reference": ("input", "checkpoint", "glossary", "verification", "theory"),
+                   "breakage", "bonds", "settlement", "bridge", "laboratory", "postproc",
+                   "monitoring"),
+    "Studies": ("studies/netirail/README", "studies/shi/README", "studies/demfem/README",
+                "studies/chen/README", "studies/crossing/README"),
+    "Reference": ("input", "checkpoint", "glossary", "verification", "theory", "scaling",
+                  "reliability"),
     "Development": ("architecture",),
 }
 TITLES = {"input": "Parameters of decks"}

@@ -19,9 +19,13 @@ def needs(holds, what):
 def regions(runs):
     """Quantities in the deck's regions over the run; the mean over the cells of a region."""
     needs(all(run.regions for run in runs), "the results contain no regions")
-    shown = (("porosity", "porosity", 1.0), ("coordination", "coordination number", 1.0),
-             ("stress", "vertical compression (kPa)", -1e-3))
-    figure, panels = plt.subplots(len(shown), 1, sharex=True, figsize=(9, 8))
+    shown = [("porosity", "porosity", 1.0), ("coordination", "coordination number", 1.0),
+             ("stress", "vertical\ncompression (kPa)", -1e-3),
+             ("largest_stone_force", "largest sum of forces\non a stone (kN)", 1e-3),
+             ("speed", "mean speed\nof stones (mm/s)", 1e3)]
+    shown = [one for one in shown if all(one[0] in region for run in runs
+                                         for region in run.regions.values())]
+    figure, panels = plt.subplots(len(shown), 1, sharex=True, figsize=(9, 2 + 2 * len(shown)))
     for run, style in zip(runs, ("-", "--")):
         for number, (name, region) in enumerate(run.regions.items()):
             for panel, (quantity, label, factor) in zip(panels, shown):

@@ -313,9 +313,16 @@ FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "st
            **bed_figures.FIGURES, **bed_histories.FIGURES}
 
 
-def draw_all(runs, folder):
-    """Draws every figure and the table into a write.Folder."""
+# They show the ends of stages.
+ENDS = {"overview", "force_chains", "forces", "grading", "section"}
+
+
+def draw_all(runs, folder, ends=True):
+    """Draws every figure, or those that do not show the ends of stages, and the table into a
+    write.Folder."""
     for name, draw in FIGURES.items():
+        if name in ENDS and not ends:
+            continue
         has = {"breakage": lambda run: run.breaks, "bonds": lambda run: run.bonds,
                "energy_split": measures.has_balance}.get(name)
         if has and not any(has(run) for run in runs):
@@ -328,13 +335,18 @@ def draw_all(runs, folder):
         figure.tight_layout(rect=(0, write.ORIGIN, 1, 1))
         folder.picture(name, figure)
     text = measures.table(runs) + "".join(measures.region_table(run) for run in runs)
-    text += support.table(runs) + table_of_peaks(runs)
+    supported = [run for run in runs if len(run.sleepers_x) and run.sleeper]
+    if supported:
+        text += "\n" + "".join(support.summary(run) + "\n" for run in supported)
+        folder.file("support.csv", support.table(supported))
+    text += table_of_peaks(runs)
     text += "".join(f"warning of {run.name}: {line}\n" for run in runs for line in run.warnings)
     folder.table("table.txt", text)
 
 
-def draw_into(results, folder):
-    """Pictures and table of one run, or of two compared; `results`: their folders."""
+def draw_into(results, folder, ends=True):
+    """Pictures and table of one run, or of two compared; `results`: their folders, `ends`: with
+    those of the ends of stages."""
     runs = [read.results(path) for path in results]
     for run in runs:
         if run.deck.get("model") == "stones":
@@ -345,6 +357,6 @@ def draw_into(results, folder):
                                   "its histories")
         if run.deck.get("model", "bed") != "bed":
             raise read.Unreadable(f"{run.name}: contains a track without a bed")
-        if not len(run.time):
+        if not len(run.time) or not len(run.stage):
             raise read.Unreadable(f"{run.name}: results.h5 contains no row of the histories yet")
-    draw_all(runs, folder)
+    draw_all(runs, folder, ends)

@@ -7,12 +7,14 @@ import typing
 from trackbed_post import (bed_on_ground, laboratory, read, track_figures, train_figures,
                            transition, write)
 
+# Runs side by side. The bed below a train: without what shows the end of a stage, when it has left.
 TOGETHER = {"transition": transition.draw_into, "bed": bed_on_ground.draw_into,
-            "laboratory": laboratory.draw_into}                             # runs side by side
+            "bed_below_train": functools.partial(bed_on_ground.draw_into, ends=False),
+            "laboratory": laboratory.draw_into}
 ALONE = {"train": train_figures.draw_into, "track": track_figures.draw_into}  # one run only
 BESIDE = {"track": track_figures.compare_into}  # several runs of a kind in ALONE
 KINDS = (*TOGETHER, *ALONE)
-PAIRS = {"transition", "bed"}  # of at most two runs
+PAIRS = {"transition", "bed", "bed_below_train"}  # of at most two runs
 LABORATORY = {"shear", "triaxial", "lift_walls"}  # kinds of stages, besides several to compact
 
 
@@ -26,7 +28,8 @@ def of_deck(deck):
     if has_no_stones(deck):
         return ["track"]
     if any(stage.get("train") for stage in stages):
-        return ["transition", "train"] if deck.get("dimension") == "plane" else ["train"]
+        plane = deck.get("dimension") == "plane"
+        return [*(["transition"] if plane else []), "train", "bed_below_train"]
     kinds = [stage.get("kind") for stage in stages]
     if LABORATORY & set(kinds) or kinds.count("compact") > 1:
         return ["laboratory"]

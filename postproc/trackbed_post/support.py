@@ -58,17 +58,18 @@ def of(results):
     return found
 
 
+def summary(run):
+    """A line of text: how many sleepers hang."""
+    found = of(run)
+    return (f"support of sleepers in the passage, {run.name}: {found.hanging} of "
+            f"{len(found.gap)} have a gap above {1e3 * HANGS:g} mm")
+
+
 def table(runs):
-    """Text: of each sleeper the stiffness and the gap; empty without sleepers."""
-    lines = []
+    """CSV, a row for each sleeper of each run."""
+    lines = ["run,x_m,bed_N_m,bed_and_ground_N_m,gap_m"]
     for run in runs:
-        if not len(run.sleepers_x) or not run.sleeper:
-            continue
         found = of(run)
-        lines += ["", f"support of sleepers in the passage, {run.name}: {found.hanging} of "
-                  f"{len(found.gap)} have a gap above {1e3 * HANGS:g} mm",
-                  f"{'x':>10}{'bed alone':>14}{'with ground':>14}{'gap':>10}",
-                  f"{'m':>10}{'kN/mm':>14}{'kN/mm':>14}{'mm':>10}"]
-        lines += [f"{x:10.3f}{bed / 1e6:14.4g}{whole / 1e6:14.4g}{1e3 * gap:10.3f}"
-                  for x, bed, whole, gap in zip(run.sleepers_x, found.bed, found.whole, found.gap)]
-    return "\n".join(lines) + "\n" if lines else ""
+        lines += [f"{run.name},{x:.9g},{bed:.6g},{whole:.6g},{gap:.6g}" for x, bed, whole, gap in
+                  zip(run.sleepers_x, found.bed, found.whole, found.gap)]
+    return "\n".join(lines) + "\n"

@@ -14,7 +14,7 @@ from trackbed_post import read
 DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 DPI = 130      # of pictures in pixels
 MANY = 3       # runs are named up to this number
-ORIGIN = 0.02  # of the height, for the line that states the origin
+ORIGIN = 0.03  # of the height, for the two lines that state the origin
 # Distinct with colour blindness and, the first three, in grey print: Wong 2011,
 # doi:10.1038/nmeth.1618.
 matplotlib.rcParams["axes.prop_cycle"] = matplotlib.cycler(color=[
@@ -54,16 +54,20 @@ def whole(path, content):
 
 
 def origin_of(results):
-    """Program and commit, runs, and today's date, for the lower edge of pictures."""
-    programs = dict.fromkeys(read.origin(path)[0].partition(";")[0] for path in results)
+    """Titles of the decks, program and commit, runs, and today's date, for the lower edge of
+    pictures."""
+    origins = [read.origin(path) for path in results]
+    programs = dict.fromkeys(program.partition(";")[0] for program, *_ in origins)
+    titles = dict.fromkeys(title for _, deck, _ in origins if (title := deck.get("title")))
     folders = [read.folder_of(path).resolve() for path in results]
     names = " and ".join(folder.name for folder in folders) if len(folders) <= MANY else \
         f"{len(folders)} runs in {folders[0].parent.name}"
-    return f"{'; '.join(programs)}: {names}, drawn on {datetime.date.today()}"
+    modelled = "; ".join(titles) + "\n" if 0 < len(titles) <= MANY else ""
+    return f"{modelled}{'; '.join(programs)}: {names}, drawn on {datetime.date.today()}"
 
 
 def state_origin(figure, origin):
-    """A line at the lower edge; a dollar in a name is no formula."""
+    """Lines at the lower edge; a dollar in a name is no formula."""
     figure.text(0.995, 0.003, origin.replace("$", r"\$"), fontsize=6, ha="right", va="bottom",
                 color="0.4")
 

@@ -144,6 +144,8 @@ def main():
                  "share/trackbed/docs/input.schema.json"):
         if not (usr / name).is_file():
             raise SystemExit(f"{name} is not installed")
+    links = pathlib.Path(__file__).resolve().parents[1] / "style/links.py"
+    call(sys.executable, links, usr / "share/doc/trackbed")
     check_completion(usr)
     if len(sys.argv) > 4:
         package, = folder.glob("*.deb")

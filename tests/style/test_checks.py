@@ -9,6 +9,7 @@ import format as layout  # noqa: E402
 import generated_docs  # noqa: E402
 import glossary  # noqa: E402
 import layering  # noqa: E402
+import links  # noqa: E402
 import spelling  # noqa: E402
 import words  # noqa: E402
 
@@ -193,3 +194,20 @@ def test_spelling_finds_a_misspelling(tree_with):
     assert spelling.check(tree_with())[0] == []
     problems, _ = spelling.check(tree_with(src__core__c_Dhpp="// the rec" + "ieved load\n"))
     assert any("src/core/c.hpp:1" in problem for problem in problems), problems
+
+
+@pytest.mark.parametrize("text, expected", [
+    ("[a](docs/b.md)\n", ""), ("[a](docs/b.md#two-words)\n", ""), ("[a](https://a.b/c)\n", ""),
+    ("```\n[a](docs/c.md)\n```\n", ""), ("[a](docs/c.md)\n", "no such file"),
+    ("![a](docs/c.png)\n", "no such file"), ("[a](docs/b.md#three)\n", "no such heading")])
+def test_links_are_followed(tree_with, text, expected):
+    root = tree_with(README_Dmd=text, docs__b_Dmd="# Two words\n")
+    found = list(links.dead_links(root / "README.md"))
+    assert bool(found) == bool(expected) and all(expected in line for line in found)
+
+
+def test_every_document_has_a_chapter(tree_with):
+    root = tree_with(jobs__site_Dpy='CHAPTERS = {"a": ("b", "architecture")}\n',
+                     docs__b_Dmd="# B\n", docs__c_Dmd="# C\n")
+    assert [line.split(":")[0] for line in links.without_chapter(root)] == [
+        str(root / "docs/c.md")]
