@@ -134,7 +134,8 @@ def draw_geometry(given):
     """longitudinal level in the bands D1, D2, D3 and twist, of files or of runs of a track"""
     runs = [one for one in given.sources if one.is_dir()]
     folder = write.Folder(given.output, write.origin_of(runs) if runs else "", given.format)
-    geometry.draw_into(given.sources, folder, given.twist_base, given.window, given.speed)
+    geometry.draw_into(given.sources, folder, given.twist_base, given.window, given.speed,
+                       given.irregularity)
     print_folders([folder])
 
 
@@ -314,6 +315,9 @@ def parser():
                      help="speed of the line, at most 300 km/h: states sections beyond the "
                           "immediate action limits of EN 13848-5, and, above 80 and up to 160 "
                           "km/h, the track quality class of EN 13848-6")
+    one.add_argument("--irregularity", action="store_true",
+                     help="write the level as irregularity.csv (of two rails irregularity_left.csv "
+                          "and irregularity_right.csv) for irregularity.file of a deck")
     draws(one)
     one = command("trajectory", roll_wheels)
     one.add_argument("scan", type=pathlib.Path, metavar="FILE",

@@ -1,8 +1,9 @@
 """Geometry of a track: longitudinal level in bands of wavelength and twist, of measured files or
 under the first wheel of runs. What is computed: docs/postproc.md.
 
-A file has a column x_m and one of heights for one rail, or two, whose names begin with left and
-right and end with the unit (z_m, left_mm). The file of `irregularity.file` of a deck is one.
+A file (CSV or MAT) has a column x_m and one of heights for one rail, or two, whose names begin with
+left and right and end with the unit (z_m, left_mm). The file of `irregularity.file` of a deck is
+one.
 """
 import dataclasses
 import pathlib
@@ -44,18 +45,23 @@ class Level:
 
 def even(name, x, height):
     """A Level of rows in ascending x; uneven ones are interpolated at their median distance."""
+    whole = np.isfinite(x) & np.isfinite(height).all(axis=1)
+    without = len(x) - np.count_nonzero(whole)
+    x, height = x[whole], height[whole]
     if len(x) < 8 or np.any(np.diff(x) <= 0):
-        raise read.Unreadable(f"{name}: a level needs at least eight rows in ascending x")
-    if not (np.isfinite(x).all() and np.isfinite(height).all()):
-        raise read.Unreadable(f"{name}: some values are not numbers")
+        raise read.Unreadable(f"{name}: a level needs at least eight rows of numbers in ascending x")
     steps = np.diff(x)
     step = float(np.median(steps))
     missing = np.flatnonzero(steps > GAP * step)
-    remarks = (f"{len(missing)} gaps, the longest of {steps.max():.4g} m at "
-               f"{x[np.argmax(steps)]:.4g} m, were filled by straight lines",)
+    remarks = []
+    if without:
+        remarks.append(f"{without} rows with values that are not numbers were left out")
+    if len(missing):
+        remarks.append(f"{len(missing)} gaps, the longest of {steps.max():.4g} m at "
+                       f"{x[np.argmax(steps)]:.4g} m, were filled by straight lines")
     places = np.linspace(x[0], x[-1], int(round((x[-1] - x[0]) / step)) + 1)
     return Level(name, places, np.stack([np.interp(places, x, rail) for rail in height.T], axis=1),
-                 remarks if len(missing) else ())
+                 tuple(remarks))
 
 
 def in_order(rails, path):
@@ -69,8 +75,17 @@ def in_order(rails, path):
     return sides["left"] + sides["right"]
 
 
+def table_of(path):
+    """(names, rows) of a CSV or a MAT file, of the latter the vectors as long as x_m."""
+    if path.suffix.lower() != ".mat":
+        return measured.table_of(path)
+    found = measured.vectors_of(path)
+    names = [name for name, item in found.items() if len(item) == len(found.get("x_m", ()))]
+    return names, np.stack([found[name] for name in names], axis=1).astype(float) if names else None
+
+
 def of_file(path):
-    names, table = measured.table_of(path)
+    names, table = table_of(path)
     rails = [one for one in names if one != "x_m"]
     if "x_m" not in names or len(rails) not in (1, 2):
         raise read.Unreadable(f"{path} must have a column x_m and one or two of heights; it has "
@@ -104,6 +119,19 @@ def of_run(folder):
 def load(path):
     path = pathlib.Path(path)
     return of_run(path) if path.is_dir() else of_file(path)
+
+
+def irregularities(level):
+    """Name of a file -> its text, for `irregularity.file` of a deck: x from 0 and height above the
+    straight line through both ends, for each rail."""
+    x = level.x - level.x[0]
+    found = {}
+    for side, height in zip(("_left", "_right") if level.height.shape[1] == 2 else ("",),
+                            level.height.T):
+        z = height - height[0] - (height[-1] - height[0]) * x / x[-1]
+        rows = "".join(f"{a:.9g},{b:.9g}\n" for a, b in zip(x, z))
+        found[f"irregularity{side}.csv"] = "x_m,z_m\n" + rows
+    return found
 
 
 def why_not(level, band):
@@ -242,18 +270,23 @@ def draw(levels, bases=BASES):
     return figure
 
 
-def draw_into(sources, folder, bases=BASES, window=WINDOW, speed=None):
+def draw_into(sources, folder, bases=BASES, window=WINDOW, speed=None, deck=False):
     """Picture geometry and table geometry.txt of files or runs into a write.Folder; with the
-    classes and limits at a speed, km/h."""
+    classes and limits at a speed, km/h; `deck`: and the files of `irregularities` of the one
+    source."""
     if speed is not None:
         geometry_limits.at(geometry_limits.LEVEL, speed)
     if len(sources) > len(STYLES):
         raise read.Unreadable(f"give at most {len(STYLES)} files or runs")
+    if deck and len(sources) > 1:
+        raise read.Unreadable("--irregularity: give one file")
     levels = [load(one) for one in sources]
     for level in levels:
         if not LEAST * level.step <= window < np.inf:
             raise read.Unreadable(f"--window {window:g}: must be at least {LEAST} steps of "
                                   f"{level.name}, {LEAST * level.step:g} m")
+    for name, text in irregularities(levels[0]).items() if deck else ():
+        folder.file(name, text)
     figure = draw(levels, bases)
     figure.tight_layout()
     folder.picture("geometry", figure)

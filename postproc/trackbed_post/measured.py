@@ -70,17 +70,21 @@ def _time_of(names, path):
 
 
 def table_of(path):
-    """(names, rows) of a CSV file whose first line has the names of its columns."""
+    """(names, rows) of a CSV file whose first line has the names of its columns; commas between the
+    columns, or semicolons, with points or commas in the numbers."""
     try:
         head, *lines = path.read_text(encoding="utf-8-sig").splitlines() or [""]
-        names = [name.strip() for name in head.split(",")]
+        between = ";" if ";" in head else ","
+        names = [name.strip() for name in head.split(between)]
         if not any(line.strip() for line in lines):
             raise ValueError("there is no row of numbers")
-        table = np.loadtxt(lines, delimiter=",", ndmin=2)
+        if between == ";":
+            lines = [line.replace(",", ".") for line in lines]
+        table = np.loadtxt(lines, delimiter=between, ndmin=2)
     except (OSError, ValueError) as error:
         raise read.Unreadable(f"{path} cannot be read: {error}; a file has a line of names and "
-                              "rows of numbers, with commas between the columns, in UTF-8") \
-            from None
+                              "rows of numbers, with commas or semicolons between the columns, in "
+                              "UTF-8") from None
     if table.shape[1] != len(names):
         raise read.Unreadable(f"{path} has {len(names)} names and {table.shape[1]} columns")
     return names, table
@@ -93,13 +97,18 @@ def _from_csv(path, wanted):
     return name, table[:, names.index(clock)] * TIMES[clock], table[:, names.index(name)]
 
 
-def _from_mat(path, wanted):
-    """Vectors of equal length, one of them time_s or time_ms; MATLAB's files up to version 7."""
+def vectors_of(path):
+    """Name -> vector, of MATLAB's files up to version 7."""
     try:
-        found = {name: np.ravel(item) for name, item in scipy.io.loadmat(path).items()
-                 if isinstance(item, np.ndarray) and item.dtype.kind in "fiu"}
+        return {name: np.ravel(item) for name, item in scipy.io.loadmat(path).items()
+                if isinstance(item, np.ndarray) and item.dtype.kind in "fiu"}
     except Exception as error:  # of any kind, as its parser raises them
         raise read.Unreadable(f"{path} cannot be read ({error}); save it with -v7") from None
+
+
+def _from_mat(path, wanted):
+    """Vectors of equal length, one of them time_s or time_ms."""
+    found = vectors_of(path)
     clock = _time_of(list(found), path)
     name = _chosen([one for one, item in found.items()
                     if one != clock and len(item) == len(found[clock])], wanted, path)

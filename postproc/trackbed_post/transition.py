@@ -348,7 +348,8 @@ def compare(trains, changes, sentence):
         panel.legend(fontsize=8, ncols=2)
     text = textwrap.fill(sentence, WRAP)
     figure.text(0.02, 0.02, text, fontsize=10, va="bottom")
-    figure.tight_layout(rect=(0, 0.03 + 0.019 * (text.count("\n") + 1), 1, 1))
+    for _ in range(2):  # the first may change the ticks, whose labels have other widths
+        figure.tight_layout(rect=(0, 0.03 + 0.019 * (text.count("\n") + 1), 1, 1))
     return figure
 
 

@@ -3,6 +3,7 @@ import conftest
 import made
 import numpy as np
 import pytest
+import scipy.io
 from trackbed_post import geometry, geometry_limits, read
 
 STEP = 0.25
@@ -97,6 +98,40 @@ def test_command_reads_files_and_names_bands_that_are_too_long(tmp_path):
     assert (tmp_path / "out/geometry.png").is_file()
 
 
+def test_a_recorded_level_becomes_an_irregularity(tmp_path):
+    x = 100 + X[:400]
+    wave = np.sin(0.5 * (x - 100)) + 0.02 * (x - 100) + 30
+    gone = np.where((x > 120) & (x < 121), np.nan, wave)
+    rows = [f"{a:.3f};{b:.6f};{-b:.6f}".replace(".", ",") for a, b in zip(x, gone)]
+    path = tmp_path / "record.csv"
+    path.write_text("x_m;left_mm;right_mm\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    ran = conftest.call("geometry", path, "-o", tmp_path / "out", "--irregularity")
+    assert ran.returncode == 0, ran.stderr
+    table = (tmp_path / "out/geometry.txt").read_text()
+    assert "3 rows with values that are not numbers were left out" in table
+    assert "1 gaps" in table
+    left, right = (np.loadtxt(tmp_path / f"out/irregularity_{side}.csv", delimiter=",", skiprows=1)
+                   for side in ("left", "right"))
+    line = wave[0] + (wave[-1] - wave[0]) * (x - 100) / (x[-1] - 100)
+    assert left[:, 0] == pytest.approx(x - 100)
+    # A gap of 1 m is bridged by a line, which errs by at most (1 m)^2/8 of the curvature.
+    assert left[:, 1] == pytest.approx(1e-3 * (wave - line), abs=1e-3 * 0.25 / 8 + 1e-8)
+    assert right[:, 1] == pytest.approx(-left[:, 1], abs=1e-9)
+    assert left[0, 1] == 0 and abs(left[-1, 1]) < 1e-9
+    refused = conftest.call("geometry", path, path, "-o", tmp_path / "out", "--irregularity")
+    assert refused.returncode == 2 and "give one file" in refused.stderr
+
+
+def test_levels_are_read_from_mat_files(tmp_path):
+    scipy.io.savemat(tmp_path / "record.mat", {"x_m": X[:400], "z_mm": np.sin(X[:400]),
+                                               "note": np.arange(3.0)})
+    level = geometry.load(tmp_path / "record.mat")
+    assert level.height[:, 0] == pytest.approx(1e-3 * np.sin(X[:400]))
+    scipy.io.savemat(tmp_path / "none.mat", {"z_mm": np.sin(X[:400])})
+    with pytest.raises(read.Unreadable, match="must have a column x_m"):
+        geometry.load(tmp_path / "none.mat")
+
+
 @pytest.mark.parametrize("spread, speed, letter", [
     (0.74, 120, "A"), (0.76, 120, "B"), (1.09, 81, "B"), (1.7, 120, "C"), (2.6, 120, "E"),
     (0.64, 121, "A"), (0.74, 121, "B"), (1.3, 160, "C"), (1.8, 160, "D"), (1.9, 160, "E")])
@@ -159,7 +194,7 @@ def test_the_limit_of_twist_depends_on_base_and_speed(base, speed, limit):
     ({"x_m": X[:50], "z_g": X[:50]}, "must be lengths"),
     ({"x_m": X[:50], "z": X[:50]}, "its name must end with"),
     ({"x_m": X[:50][::-1], "z_mm": X[:50]}, "ascending x"),
-    ({"x_m": X[:50], "z_mm": np.full(50, np.nan)}, "not numbers"),
+    ({"x_m": X[:50], "z_mm": np.full(50, np.nan)}, "rows of numbers"),
     ({"x_m": X[:50], "a_mm": X[:50], "b_mm": X[:50]}, "must begin with left and right"),
     ({"x_m": X[:50], "z_mm": X[:50]}, "shorter than 25 m")])
 def test_bad_files_are_refused(tmp_path, columns, words):

@@ -173,9 +173,26 @@ void Irregularity::draw(double length) {
   spectrum_d1_ = std::sqrt(d1);
 }
 
+namespace {
+
+// Problems of a file end with the command that mends the usual ones.
+std::vector<std::vector<double>> rows_of(const std::string& path) {
+  try {
+    return input::read_table(path, {"x_m", "z_m"}, "x_m");
+  } catch (const InputError& error) {
+    std::vector<std::string> problems = error.problems();
+    problems.back() +=
+        "; of a recorded level with other units, gaps or two rails, `python3 postproc geometry "
+        "FILE -o DIR --irregularity` makes such a file";
+    throw InputError(problems);
+  }
+}
+
+}  // namespace
+
 // The rows are stored unchanged.
 void Irregularity::read() {
-  auto columns = input::read_table(parameters_.file, {"x_m", "z_m"}, "x_m");
+  auto columns = rows_of(parameters_.file);
   if (columns[0].size() < 2) throw InputError({parameters_.file + ": needs at least two rows"});
   row_ = std::move(columns[0]);
   height_ = std::move(columns[1]);
