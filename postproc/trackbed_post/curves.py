@@ -15,8 +15,8 @@ from trackbed_post import measured, read
 STYLES = ("-", "--", "-.", ":")
 AXES = ("history/time", "history/stage", "envelope/x", "envelope/place")
 # SI unit, below which largest value (for factors below 1: from which on) another unit is drawn.
-SHORT = (("m", 0.1, 1e3, "mm"), ("N", 1e3, 1e-3, "kN"), ("Pa", 1e6, 1e-6, "MPa"),
-         ("Pa", 1e3, 1e-3, "kPa"))
+SHORT = (("m", 0.1, 1e3, "mm"), ("m/s", 0.1, 1e3, "mm/s"), ("N", 1e3, 1e-3, "kN"),
+         ("Pa", 1e6, 1e-6, "MPa"), ("Pa", 1e3, 1e-3, "kPa"))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -174,8 +174,11 @@ def table_of(curves, others):
 
 def scale_of(curves):
     """(factor, unit) of the axis of values: units that keep the numbers short."""
-    largest = max(np.abs(curve.y).max(initial=0) for curve in curves)
-    unit = curves[0].unit
+    return short_unit(max(np.abs(curve.y).max(initial=0) for curve in curves), curves[0].unit)
+
+
+def short_unit(largest, unit):
+    """(factor, unit) for values up to the largest."""
     for si, limit, factor, name in SHORT:
         if unit == si and (largest < limit if factor > 1 else largest >= limit):
             return factor, name

@@ -125,11 +125,14 @@ class Folder:
             figure.get_layout_engine().set(rect=(0, ORIGIN, 1, 1 - ORIGIN))
         state_origin(figure, origin or self.origin)
         drawn = [form for form in self.formats if form != "csv"]
-        if len(drawn) < len(self.formats) and (lines := lines_of(figure)):
+        lines = lines_of(figure) if len(drawn) < len(self.formats) else ""
+        if lines:
             self.file(f"{name}_lines.csv", lines)
         for form in drawn:
             content = io.BytesIO()
             figure.savefig(content, dpi=DPI, format=form)
             self.file(f"{name}.{form}", content.getvalue())
         plt.close(figure)
-        self.pictures.append(self.path / (f"{name}.{drawn[0]}" if drawn else f"{name}_lines.csv"))
+        if drawn or lines:
+            self.pictures.append(self.path / (f"{name}.{drawn[0]}" if drawn else
+                                              f"{name}_lines.csv"))
