@@ -10,8 +10,8 @@ import matplotlib
 
 matplotlib.use("Agg")
 
-from trackbed_post import (curves, geometry, kinds, read, report, still, sweep,  # noqa: E402
-                           transition, vibration, write)
+from trackbed_post import (curves, field_sections, geometry, kinds, maps, read,  # noqa: E402
+                           report, still, sweep, transition, vibration, write)
 from trackbed_post.monitor import command as monitor_command  # noqa: E402
 from trackbed_post.monitor import (ballast, calibration, greens, indicators,  # noqa: E402
                                    passages, regularised)
@@ -157,6 +157,16 @@ def draw_curve(given):
     print_folders([folder])
 
 
+def draw_map(given):
+    """arrows or contours of an array of field files, in a plane through the model"""
+    choices = field_sections.Choices(given.array, given.component, tuple(given.part), given.plane,
+                                     given.at, given.slice, given.window, given.time,
+                                     given.relative_to)
+    folder = write.Folder(given.output, maps.origin_of(given.source), given.format)
+    maps.draw_into(given.source, folder, choices)
+    print_folders([folder])
+
+
 def run_sweep(given):
     """runs a deck with several values of parameters; mean and band over the seeds"""
     varied = {key: values for key, *values in given.vary}
@@ -292,6 +302,31 @@ def parser():
     one.add_argument("--array", help="default: the first one that is not constant")
     one.add_argument("--view", choices=still.VIEWS, default="side",
                      help="direction of view; default: %(default)s")
+    one = command("map", draw_map)
+    one.add_argument("source", type=pathlib.Path, metavar="RESULT_DIR|FILE.vtkhdf")
+    one.add_argument("--array", help="default: displacement, velocity, force or acceleration, the "
+                     "first that the files have")
+    one.add_argument("--component", help="draws contours of x, y, z or magnitude of a vector; xx, "
+                     "yy, zz, xy, yz, zx of a stress; largest, middle, least of principal values")
+    one.add_argument("--part", nargs="+", default=field_sections.PARTS, metavar="PART",
+                     help="default: those of stones, ground, solids that have the array")
+    one.add_argument("--plane", choices=field_sections.PLANES, default="xz",
+                     help="default: %(default)s")
+    one.add_argument("--at", type=finite, default=0.0, metavar="M",
+                     help="where the plane crosses the third axis; default: 0")
+    one.add_argument("--slice", type=positive, metavar="M",
+                     help="draws all points up to this distance from the plane; default: the "
+                     "nearest layer of nodes or elements, or points within half their mean "
+                     "distance")
+    one.add_argument("--window", type=finite, nargs=4, metavar=("X0", "X1", "Z0", "Z1"),
+                     help="region of the plane, m, of another plane the limits of its axes; "
+                     "default: all")
+    one.add_argument("--time", type=finite, metavar="S",
+                     help="the nearest instant of a run is drawn; default: the last")
+    one.add_argument("--relative-to", type=finite, metavar="S",
+                     help="draws the change since the nearest earlier instant, of stones also "
+                     "their displacement")
+    draws(one)
     one = command("vibration", draw_vibration)
     one.add_argument("results", type=pathlib.Path, metavar="RESULT_DIR")
     one.add_argument("quantity", help="a history such as sleeper/acceleration or wheel/force")

@@ -1,0 +1,203 @@
+"""One array of a field file (VTKHDF) at points: nodes, centres of elements, or stones.
+
+A stone has several cells in a file, its balls or faces, and is one point here: the mean of their
+points, weighted by the square of `radius`. This point moves with the stone, but it is not exactly
+the centre of mass, which the file does not have. Nodes that several ranks wrote are one point.
+"""
+import dataclasses
+import pathlib
+
+import numpy as np
+
+from trackbed_post import read
+
+USUAL = ("displacement", "velocity", "force", "acceleration")  # the default is the first there is
+BULK = (10, 12, 24)  # VTK's tetrahedra, hexahedra, quadratic tetrahedra
+SAME = 1e-9          # of the model's length: places that differ by less are one
+
+
+@dataclasses.dataclass(frozen=True)
+class Field:
+    """`values` [point] or [point, component] at `place` [point, x y z], m. Stones have `number` and
+    `pieces`, how many cells a stone has; elements have `corners`: [element, corner, x y z]."""
+    part: str
+    time: float  # s, nan if the series does not name the file
+    unit: str
+    place: np.ndarray
+    values: np.ndarray
+    number: np.ndarray
+    pieces: np.ndarray
+    corners: tuple = ()
+    since: float = np.nan  # s, earlier instant, if the values are differences
+
+
+@dataclasses.dataclass(frozen=True)
+class _Cells:
+    """`nodes` of all cells, one after the other; `first` and `size` of each cell, and its kind."""
+    points: np.ndarray
+    nodes: np.ndarray
+    first: np.ndarray
+    size: np.ndarray
+    kind: np.ndarray
+
+    def mean(self, values):
+        """Of each cell: mean of values at its nodes."""
+        return np.add.reduceat(values[self.nodes], self.first) / self.size.reshape(
+            -1, *[1] * (values.ndim - 1))
+
+    def corners(self):
+        bulk = np.isin(self.kind, BULK)
+        return tuple(self.points[self.nodes[self.first[bulk & (self.size == size), None]
+                                            + np.arange(size)]]
+                     for size in np.unique(self.size[bulk]))
+
+
+def _cells(found):
+    """Each rank wrote a piece, whose cells number the points of the piece."""
+    points, cells, ids = (found[f"NumberOf{what}"].values
+                          for what in ("Points", "Cells", "ConnectivityIds"))
+    borders = np.cumsum(cells + 1)[:-1] - 1
+    size = np.delete(np.diff(found["Offsets"].values), borders)
+    nodes = found["Connectivity"].values + np.repeat(np.cumsum(points) - points, ids)
+    return _Cells(found["Points"].values, nodes, np.cumsum(size) - size, size,
+                  found["Types"].values)
+
+
+def arrays_of(path):
+    """{name: read.Quantity} of a field file; with VTKHDF's own arrays below the key ""."""
+    own = {name.removeprefix("VTKHDF/"): item for name, item in read.datasets(path).items()}
+    if "Connectivity" not in own:
+        raise read.Unreadable(f"{path} is not a field file of trackbed")
+    arrays = {name.partition("/")[2]: item for name, item in own.items() if "Data/" in name}
+    return {"": own, **arrays}
+
+
+def _merged(place, values):
+    """Without points at the place of another one, in an order that does not depend on ranks."""
+    step = SAME * max(np.ptp(place, axis=0).max(initial=0), 1e-6)
+    kept = np.unique(np.round(place / step), axis=0, return_index=True)[1]
+    return place[kept], values[kept]
+
+
+def _of_stones(cells, found, values):
+    """(number, cells, middle, value) of each stone."""
+    number, one, which, pieces = np.unique(found["CellData/stone"].values, return_index=True,
+                                           return_inverse=True, return_counts=True)
+    weight = found["PointData/radius"].values**2 if "PointData/radius" in found else \
+        np.ones(len(cells.points))
+    of = np.repeat(which, cells.size)
+    weight = weight.ravel()[cells.nodes]
+    middle = np.stack([np.bincount(of, weight * cells.points[cells.nodes, axis]) for axis in
+                       range(3)], 1) / np.bincount(of, weight)[:, None]
+    return number, pieces, middle, values[one]
+
+
+def field_of(path, time, arrays, name):
+    """The Field of an array; "" for the positions of the points as values."""
+    found, part = arrays[""], pathlib.Path(path).stem.rpartition("_")[2]
+    cells = _cells(found)
+    if not len(cells.size):
+        raise read.Unreadable(f"{path} holds no cell")
+    corners, none = cells.corners(), np.empty(0)
+    if name and f"PointData/{name}" in found:
+        place, values = _merged(cells.points, arrays[name].values)
+        return Field(part, time, arrays[name].unit, place, values, none, none, corners)
+    centre = cells.mean(cells.points)
+    values, unit = (arrays[name].values, arrays[name].unit) if name else (centre, "m")
+    if corners and name:
+        centre, values = _merged(centre, values)
+    if "CellData/stone" not in found:
+        return Field(part, time, unit, centre, values, none, none, corners)
+    number, pieces, middle, values = _of_stones(cells, found, values)
+    return Field(part, time, unit, middle, values if name else middle, number, pieces)
+
+
+def change(now, before):
+    """The Field of the differences; of stones those that have the same cells at both instants."""
+    if len(now.number):
+        _, new, old = np.intersect1d(now.number, before.number, return_indices=True)
+        same = now.pieces[new] == before.pieces[old]
+        new, old = new[same], old[same]
+        return dataclasses.replace(now, place=now.place[new], number=now.number[new],
+                                   pieces=now.pieces[new], since=before.time,
+                                   values=now.values[new] - before.values[old])
+    if now.place.shape != before.place.shape or not np.allclose(now.place, before.place):
+        raise read.Unreadable(f"{now.part}: its points at {before.time:g} s and {now.time:g} s "
+                              "differ: no change can be drawn")
+    return dataclasses.replace(now, values=now.values - before.values, since=before.time)
+
+
+def files_of(path, parts):
+    """{part: [(time, file)]} of a result folder, or of one field file."""
+    path = pathlib.Path(path)
+    if path.suffix == ".vtkhdf":
+        part = path.stem.rpartition("_")[2]
+        instants = {file.name: time for time, file in read.series(path.parent.parent, part)}
+        return {part: [(instants.get(path.name, np.nan), path)]}
+    folder = read.folder_of(path)
+    if not folder.is_dir():
+        raise read.Unreadable(f"{folder} does not exist; give a result folder or a .vtkhdf file")
+    if not list(folder.glob("fields/*.vtkhdf")):
+        raise read.Unreadable(f"{folder} has no field files: run its deck with output.fields=true")
+    found = {part: read.series(folder, part) for part in parts}
+    if not any(found.values()):
+        there = sorted(file.name.removesuffix(".vtkhdf.series")
+                       for file in folder.glob("fields/*.vtkhdf.series"))
+        raise read.Unreadable(f"{folder} has no fields of {', '.join(parts)}, but of "
+                              f"{', '.join(there)}: choose with --part, or run its deck with "
+                              "these names in output.fields_parts")
+    return {part: files for part, files in found.items() if files}
+
+
+def nearest(files, time):
+    """(time, file) nearest to a time; the last one without it."""
+    return files[-1] if time is None else min(files, key=lambda one: abs(one[0] - time))
+
+
+def _refuse_unknown(name, opened):
+    known = sorted({one for _, arrays in opened.values() for one in arrays if one})
+    why = "; displacement of stones needs --relative-to TIME" if name == "displacement" and \
+        "stones" in opened else ""
+    raise read.Unreadable(f"{', '.join(opened)}: there is no array {name}; the arrays are "
+                          f"{', '.join(known)}{why}")
+
+
+def fields_at(path, parts, name=None, time=None, since=None):
+    """(name of the array, [Field of each part that has it]) at an instant; `since`: its change
+    from this earlier instant, of stones also that of their positions as `displacement`."""
+    opened = {part: nearest(files, time) for part, files in files_of(path, parts).items()}
+    opened = {part: (instant, arrays_of(instant[1])) for part, instant in opened.items()}
+    moved = "displacement" if since is not None else None  # of stones
+    has = {part: {*arrays, *({moved} if moved and "stone" in arrays else ())} - {""}
+           for part, (_, arrays) in opened.items()}
+    name = name or next((one for one in USUAL if any(one in has[part] for part in has)),
+                        next((one for part in has for one in sorted(has[part])), None))
+    fields = []
+    for part, ((when, file), arrays) in opened.items():
+        if name not in has[part]:
+            continue
+        inner = "" if name == moved and "stone" in arrays else name
+        field = field_of(file, when, arrays, inner)
+        if since is not None:
+            field = change(field, _earlier(file, part, since, when, inner))
+        fields.append(field)
+    if not fields:
+        _refuse_unknown(name, opened)
+    if len(units := {field.unit for field in fields}) > 1:
+        raise read.Unreadable(f"{name} has several units ({', '.join(units)}): choose one --part")
+    return name, fields
+
+
+def _earlier(file, part, since, now, name):
+    files = read.series(file.parent.parent, part)
+    if not files:
+        raise read.Unreadable(f"{file}: --relative-to needs the series {part}.vtkhdf.series beside "
+                              "it, in the folder `fields` of a run")
+    when, before = nearest(files, since)
+    if not when < now:
+        raise read.Unreadable(f"--relative-to {since:g}: the nearest instant, {when:g} s, is not "
+                              f"before the one that is drawn, {now:g} s")
+    arrays = arrays_of(before)
+    if name not in arrays:
+        raise read.Unreadable(f"{before} has no array {name}; choose a later --relative-to")
+    return field_of(before, when, arrays, name)

@@ -1,0 +1,179 @@
+"""Maps of fields in a plane through the model: arrows of vectors, filled contours of numbers.
+
+What is in the plane, and how values between points are found: field_sections.py.
+"""
+import datetime
+
+import matplotlib.pyplot as plt
+import matplotlib.ticker
+import numpy as np
+
+from trackbed_post import curves, field_files, field_sections, read, write
+
+COLUMNS = 80      # arrows along the longer side at most
+MARGIN = 0.02     # of it, around arrows
+USUAL = 0.99      # quantile where arrows end, if the largest is more than OUTLIER times as long
+OUTLIER = 2.0
+GRID = 50000      # places of a grid at which contours are computed
+LEVELS = 16       # of contours, about
+
+
+def bounds_of(layers, window):
+    if window:
+        return window
+    corners = np.concatenate([part for layer in layers for part in (
+        layer.at, layer.outline.vertices if layer.outline is not None else layer.at)])
+    return np.stack([corners.min(axis=0), corners.max(axis=0)], 1).ravel()
+
+
+def shown_arrows(layer, window):
+    """Numbers of the points whose arrows are drawn: one for each square."""
+    x0, x1, z0, z1 = window
+    square = max(x1 - x0, z1 - z0, 1e-9) / COLUMNS
+    return np.sort(np.unique(np.floor(layer.at / square), axis=0, return_index=True)[1])
+
+
+def draw_arrows(panel, layers, window, choices, scale):
+    """The arrows; their colours are the magnitudes with the part across the plane."""
+    factor, unit = scale
+    size = factor * np.concatenate([layer.size() for layer in layers])
+    limit = float(np.quantile(size, USUAL))
+    if size.max() <= OUTLIER * limit:
+        limit = float(size.max())
+    limit = limit or 1.0
+    x0, x1, z0, z1 = window
+    crowd = sum(len(shown_arrows(layer, window)) for layer in layers)
+    length = np.clip(1.5 * np.sqrt((x1 - x0) * (z1 - z0) / crowd) / (x1 - x0), 0.012, 0.08)
+    for layer in layers:
+        kept = shown_arrows(layer, window)
+        arrows = factor * layer.values[kept][:, choices.axes()[0]]
+        colours = factor * layer.size()[kept]
+        arrows *= np.minimum(1, limit / np.maximum(np.linalg.norm(arrows, axis=1), 1e-300))[:, None]
+        drawn = panel.quiver(*layer.at[kept].T, *arrows.T, colours, cmap="viridis_r",
+                             clim=(0, limit), angles="xy", scale_units="width",
+                             scale=limit / length, width=0.0015)
+    key = scale_arrow(limit)
+    panel.quiverkey(drawn, 0.85, 1.04, key, f"{key:g} {unit}", labelpos="E")
+    return drawn, f"{unit} (arrows end at {limit:.3g})" if size.max() > limit else unit, \
+        {"extend": "max"} if size.max() > limit else {}
+
+
+def scale_arrow(limit):
+    """The largest of 1, 2, 5 times a power of ten that is not above the limit."""
+    power = 10.0**np.floor(np.log10(limit))
+    return float(max(one * power for one in (1, 2, 5) if one * power <= limit * (1 + 1e-9)))
+
+
+def grid_of(layer, window):
+    """(x, z): coordinates of a grid over the part of the window that the layer may fill."""
+    own = bounds_of([layer], None)
+    x0, z0 = (max(window[k], own[k]) for k in (0, 2))
+    x1, z1 = (min(window[k], own[k]) for k in (1, 3))
+    columns = int(np.clip(np.sqrt(GRID * max(x1 - x0, 1e-9) / max(z1 - z0, 1e-9)), 20, GRID / 20))
+    return np.linspace(x0, x1, columns), np.linspace(z0, z1, GRID // columns)
+
+
+def draw_contours(panel, layers, window, scale):
+    """The filled contours of each part, between the least and the largest value at the points."""
+    factor, unit = scale
+    values = factor * np.concatenate([layer.within(window).values for layer in layers])
+    levels = matplotlib.ticker.MaxNLocator(LEVELS).tick_values(values.min(), values.max())
+    for layer in layers:
+        x, z = grid_of(layer, window)
+        places = np.stack([one.ravel() for one in np.meshgrid(x, z)], 1)
+        found = factor * field_sections.spline(layer, places).reshape(len(z), len(x))
+        drawn = panel.contourf(x, z, found, levels, cmap="viridis", extend="both")
+        for one in [drawn] if hasattr(drawn, "set_clip_path") else drawn.collections:
+            one.set_clip_path(field_sections.edge_of(layer), panel.transData)
+    return drawn, unit, {}
+
+
+def draw(layers, title, choices, unit):
+    """The figure of layers with points in the window."""
+    window = bounds_of(layers, choices.window)
+    inside = [layer.within(window) for layer in layers]
+    scale = curves.short_unit(max(np.abs(one.size()).max() for one in inside), unit)
+    wide, high = window[1] - window[0], window[3] - window[2]
+    figure, panel = plt.subplots(figsize=(9, np.clip(7 * high / max(wide, 1e-9) + 1.3, 2.5, 9)),
+                                 layout="constrained")
+    margin = 0.0
+    if layers[0].values.ndim > 1:
+        drawn, words, style = draw_arrows(panel, inside, window, choices, scale)
+        margin = 0.0 if choices.window else MARGIN * max(wide, high)
+    else:
+        drawn, words, style = draw_contours(panel, layers, window, scale)
+    panel.set(aspect="equal", xlabel=f"{choices.plane[0]}, m", ylabel=f"{choices.plane[1]}, m",
+              xlim=(window[0] - margin, window[1] + margin),
+              ylim=(window[2] - margin, window[3] + margin))
+    panel.set_title(title, loc="left", fontsize=9)
+    figure.colorbar(drawn, ax=panel, label=words, **style)
+    return figure
+
+
+def as_csv(layers, name, plane, unit):
+    """All points in the plane and the window with their values, in SI units."""
+    unit = unit.replace("/", "_")
+    parts = [f"{name}_{one}_{unit}" for one in "xyz"] if layers[0].values.ndim > 1 else \
+        [f"{name}_{unit}"]
+    rows = [",".join(["part", f"{plane[0]}_m", f"{plane[1]}_m", *parts])]
+    rows += [",".join([layer.part, *(f"{one:.9g}" for one in (*at, *np.ravel(value)))])
+             for layer in layers for at, value in zip(layer.at, layer.values)]
+    return "\n".join(rows) + "\n"
+
+
+def table_of(layers, title, choices, unit):
+    factor, short = curves.short_unit(max(np.abs(one.size()).max() for one in layers), unit)
+    lines = [title]
+    for layer in layers:
+        size = factor * layer.size()
+        ends = [f"{word} {size[k]:.4g} {short} at {choices.plane[0]} = {layer.at[k, 0]:.4g} m, "
+                f"{choices.plane[1]} = {layer.at[k, 1]:.4g} m" for word, k in
+                (("largest", np.argmax(size)), ("least", np.argmin(size)))]
+        lines.append(f"{layer.part}, {len(size)} points: {'; '.join(ends)}; mean "
+                     f"{size.mean():.4g} {short}")
+    return "\n".join(lines) + "\n"
+
+
+def title_of(fields, name, choices):
+    words = f"{name} {choices.component or ''}".strip()
+    time, since = fields[0].time, fields[0].since
+    words += f" at {time:.5g} s" if np.isfinite(time) else ""
+    words += f", change since {since:.5g} s" if np.isfinite(since) else ""
+    return f"{words}, plane {choices.plane} at {'xyz'[choices.axes()[1]]} = {choices.at:g} m"
+
+
+def origin_of(path):
+    """The line at the lower edge; a run that goes on or has failed may lack its results.h5."""
+    folder = path.resolve().parent.parent if path.suffix == ".vtkhdf" else path
+    try:
+        return write.origin_of([folder])
+    except read.Unreadable:
+        return f"{path.name}, drawn on {datetime.date.today()}"
+
+
+def draw_into(path, folder, choices):
+    """Picture, table and CSV of an array of a result folder or of one field file."""
+    if path.suffix == ".vtkhdf" and (choices.time is not None
+                                     or choices.parts != field_sections.PARTS):
+        raise read.Unreadable(f"{path.name} is one part at one instant: --part and --time choose "
+                              "among the files of a result folder")
+    if choices.window and not np.all(np.diff(np.reshape(choices.window, (2, 2))) > 0):
+        raise read.Unreadable("--window: give the smaller number of each axis first")
+    name, fields = field_files.fields_at(path, choices.parts, choices.array, choices.time,
+                                         choices.since)
+    layers = [field_sections.layer_of(field, name, choices) for field in fields]
+    within = [layer.within(choices.window) for layer in layers] if choices.window else layers
+    if not any(len(layer.at) for layer in within):
+        place = np.concatenate([field.place for field in fields])
+        ranges = [f"{axis} = {low:.4g} to {high:.4g} m" for axis, low, high in
+                  zip("xyz", place.min(axis=0), place.max(axis=0))]
+        raise read.Unreadable(f"no point lies in the plane {choices.plane} and the window; the "
+                              f"points have {', '.join(ranges)}: choose others with --at, --slice "
+                              "and --window")
+    full = [k for k, layer in enumerate(within) if len(layer.at)]
+    layers, within, unit = [layers[k] for k in full], [within[k] for k in full], fields[0].unit
+    title = title_of(fields, name, choices)
+    name = f"{name}_{choices.component}" if choices.component else name
+    folder.picture("map", draw(layers, title, choices, unit))
+    folder.file("map.csv", as_csv(within, name, choices.plane, unit))
+    folder.table("map.txt", table_of(within, title, choices, unit))
