@@ -3,8 +3,8 @@
 Values between the points are those of a biharmonic (thin-plate) spline through all of them, or, if
 they are many, through those nearest to each place (scipy's RBFInterpolator). Its coordinates are
 divided by the usual distances of neighbours along both axes, since elements may be flat. It ends at
-the edge of the elements, or of stones at the triangles of neighbours. Cost: 50,000 places take
-about 3 s.
+the edge of the elements, or of stones at the triangles of neighbours. Cost of 50,000 places: 3 s of
+processor time among 50,000 elements in rows, 16 s among as many scattered stones.
 """
 import collections
 import dataclasses
