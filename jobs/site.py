@@ -30,7 +30,7 @@ CHAPTERS = {
                 "studies/chen/README", "studies/crossing/README"),
     "Reference": ("input", "checkpoint", "glossary", "verification", "theory", "scaling",
                   "reliability"),
-    "Development": ("architecture",),
+    "Development": ("architecture", "contributing"),
 }
 TITLES = {"input": "Parameters of decks"}
 CONFIG = {"site_name": "trackbed", "theme": {"name": "material", "font": False},

@@ -71,6 +71,12 @@ class Passing:
         """Whether each axle is over the bed's sleepers, [time, axle]."""
         return (self.x >= self.sleepers_x[0]) & (self.x <= self.sleepers_x[-1])
 
+    def off_the_rail(self):
+        """Part of the rows with an axle over the bed in which a wheel there has no force."""
+        there = self.on_bed()
+        off = there & (self.force == 0).any(axis=2)
+        return np.count_nonzero(off.any(axis=1)) / max(1, np.count_nonzero(there.any(axis=1)))
+
     def sunk_since_first(self):
         """[axle, sleeper], m: how much lower a sleeper is under an axle than under the first."""
         return self.lowest[0] - self.lowest
@@ -83,6 +89,8 @@ def numbers(passing):
         raise read.Unreadable("no wheel was over the bed while histories were written")
     found = {"largest wheel force over the bed": (np.nanmax(force) / 1e3, "kN"),
              "least wheel force over the bed": (np.nanmin(force) / 1e3, "kN")}
+    if (off := passing.off_the_rail()) > 0:
+        found["time with a wheel off the rail over the bed"] = (100 * off, "%")
     for axle in range(force.shape[1]):
         if not np.isfinite(passing.lowest[axle]).any():
             continue

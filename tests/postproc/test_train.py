@@ -45,6 +45,18 @@ def test_settlement_of_each_axle():
     assert found[f"{left}, largest"][0] == pytest.approx(0.2)
 
 
+def test_wheels_off_the_rail_are_stated():
+    run, every = made()
+    name = "time with a wheel off the rail over the bed"
+    assert name not in train_figures.numbers(train_figures.Passing(run, every))
+    x, force = (every[f"history/wheel/{one}"].values for one in ("x", "force"))
+    there = (x[:, 0] >= 3) & (x[:, 0] <= 5)
+    force[np.flatnonzero(there)[:20], 0] = 0
+    value, unit = train_figures.numbers(train_figures.Passing(run, every))[name]
+    axles = np.count_nonzero(((x >= 3) & (x <= 5)).any(axis=1))
+    assert unit == "%" and value == pytest.approx(100 * 20 / axles)
+
+
 def test_run_without_rows_of_a_train_is_refused():
     run, every = made()
     every["history/wheel/x"].values[:] = np.nan
