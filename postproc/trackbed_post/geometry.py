@@ -49,7 +49,7 @@ def even(name, x, height):
     without = len(x) - np.count_nonzero(whole)
     x, height = x[whole], height[whole]
     if len(x) < 8 or np.any(np.diff(x) <= 0):
-        raise read.Unreadable(f"{name}: a level needs at least eight rows of numbers in ascending x")
+        raise read.Unreadable(f"{name}: a level needs at least eight rows of numbers, x ascending")
     steps = np.diff(x)
     step = float(np.median(steps))
     missing = np.flatnonzero(steps > GAP * step)

@@ -193,8 +193,8 @@ def test_the_limit_of_twist_depends_on_base_and_speed(base, speed, limit):
     ({"x_m": X[:50]}, "one or two of heights"),
     ({"x_m": X[:50], "z_g": X[:50]}, "must be lengths"),
     ({"x_m": X[:50], "z": X[:50]}, "its name must end with"),
-    ({"x_m": X[:50][::-1], "z_mm": X[:50]}, "ascending x"),
-    ({"x_m": X[:50], "z_mm": np.full(50, np.nan)}, "rows of numbers"),
+    ({"x_m": X[:50][::-1], "z_mm": X[:50]}, "x ascending"),
+    ({"x_m": X[:50], "z_mm": np.full(50, np.nan)}, "rows of numbers, x"),
     ({"x_m": X[:50], "a_mm": X[:50], "b_mm": X[:50]}, "must begin with left and right"),
     ({"x_m": X[:50], "z_mm": X[:50]}, "shorter than 25 m")])
 def test_bad_files_are_refused(tmp_path, columns, words):
