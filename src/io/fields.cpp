@@ -86,7 +86,8 @@ std::size_t Grid::cell_count() const {
 }
 
 // Collective. Points at rank borders are not merged: each piece has its own.
-void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid) {
+void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid,
+                  const Origin& origin) {
   // The rows of a piece follow from the counts of the pieces before it: an incomplete cell would
   // shift all that follow.
   require(!grid.kinds.empty() || grid.cells.size() % nodes_per_cell(grid.kind) == 0,
@@ -95,6 +96,7 @@ void write_fields(const par::Comm& comm, const std::string& path, const Grid& gr
   File file(comm, path, Mode::create);
   file.attribute(root, "Version", std::vector<std::int64_t>{1, 0});
   file.attribute(root, "Type", std::string("UnstructuredGrid"));
+  for (const auto& [name, text] : origin) file.attribute("/", name, text);
   write_count(file, "NumberOfPoints", grid.points.size(), "points of each piece");
   write_count(file, "NumberOfCells", cells, "cells of each piece");
   write_count(file, "NumberOfConnectivityIds", grid.cells.size(), "point numbers of each piece");

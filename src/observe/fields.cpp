@@ -233,7 +233,7 @@ void write_fields(const par::Comm& comm, const FieldFiles& files, const Scene& s
   const auto write = [&](std::string_view part, const auto& grid) {
     if (std::find(files.parts.begin(), files.parts.end(), part) == files.parts.end()) return;
     const std::string name = fmt::format("{}_{}.vtkhdf", files.name, part);
-    io::write_fields(comm, files.folder + "/" + name, grid());
+    io::write_fields(comm, files.folder + "/" + name, grid(), files.origin);
     const std::string series = fmt::format("{}/{}.vtkhdf.series", files.folder, part);
     comm.agree(comm.root() ? enter_in_series(series, name, files.time) : "");
   };

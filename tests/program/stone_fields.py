@@ -9,6 +9,7 @@ import shutil
 import sys
 import tomllib
 
+import h5py
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
@@ -48,6 +49,9 @@ def check_space(program, source, folder):
     made = folder / "stack"
     program.done(1, "run", source / "inputs/verify/stack.toml", *SHORT, "-o", made)
     file, = (made / "fields").glob("*_stones.vtkhdf")
+    with h5py.File(file, "r") as fields, h5py.File(made / "results.h5", "r") as results:
+        if fields.attrs["build"] != results.attrs["build"] or not fields.attrs["title"]:
+            raise SystemExit(f"{file} does not state its origin: {dict(fields.attrs)}")
     points, nodes, kinds, found = cells_of(file)
     if set(kinds) != {7}:
         raise SystemExit(f"blocks must be polygons (7), not {set(kinds)}")

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "trackbed/core/types.hpp"
@@ -45,7 +46,11 @@ struct Grid {
   std::size_t cell_count() const;
 };
 
+// Texts that state where a file is from, by their names: attributes of the file.
+using Origin = std::vector<std::pair<std::string, std::string>>;
+
 // Writes `path` (by convention *.vtkhdf). Collective.
-void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid);
+void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid,
+                  const Origin& origin = {});
 
 }  // namespace trackbed::io

@@ -12,6 +12,7 @@
 #include "trackbed/dem/particles.hpp"
 #include "trackbed/fem/bodies.hpp"
 #include "trackbed/fem/ground.hpp"
+#include "trackbed/io/fields.hpp"
 #include "trackbed/io/file.hpp"
 #include "trackbed/observe/output_parts.hpp"
 #include "trackbed/observe/regions.hpp"
@@ -179,6 +180,7 @@ struct FieldFiles {
   std::string folder, name;
   double time = 0;  // s, of the run
   std::span<const std::string> parts;
+  io::Origin origin{};
 };
 
 // A train over the sleepers of a scene; places in the coordinates of the bed.

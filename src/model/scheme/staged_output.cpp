@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "model/scheme/staged.hpp"
+#include "trackbed/model/effective.hpp"
 
 namespace trackbed::model {
 
@@ -62,12 +63,14 @@ void StagedScheme::write_fields(const std::string& name, const std::vector<std::
     view.emplace(observe::TrainView{*train.running, train.rails,
                                     model_.track.wheel_rail.bodies.wheel_radius,
                                     model_.sleepers.gauge});
-  observe::write_fields(comm_,
-                        {.folder = run_.folder + "/fields",
-                         .name = name,
-                         .time = run_.course.clock.time(),
-                         .parts = parts},
-                        world_.scene(), view ? &*view : nullptr);
+  observe::write_fields(
+      comm_,
+      {.folder = run_.folder + "/fields",
+       .name = name,
+       .time = run_.course.clock.time(),
+       .parts = parts,
+       .origin = {{"title", model_.title}, {"version", version()}, {"build", build_description()}}},
+      world_.scene(), view ? &*view : nullptr);
 }
 
 // A fixed ground has no extremes.
