@@ -356,5 +356,9 @@ def series(folder, part):
     path = pathlib.Path(folder) / "fields" / f"{part}.vtkhdf.series"
     if not path.is_file():
         return []
-    files = json.loads(path.read_text(encoding="utf-8"))["files"]
-    return [(float(file["time"]), path.parent / file["name"]) for file in files]
+    try:
+        files = json.loads(path.read_text(encoding="utf-8"))["files"]
+        return [(float(file["time"]), path.parent / file["name"]) for file in files]
+    except (ValueError, KeyError, TypeError):
+        raise Unreadable(f"{path} is not a list of field files with their times, or is "
+                         "damaged") from None
