@@ -10,8 +10,8 @@ import matplotlib
 
 matplotlib.use("Agg")
 
-from trackbed_post import (curves, field_sections, geometry, kinds, maps, read,  # noqa: E402
-                           report, still, sweep, transition, vibration, write)
+from trackbed_post import (curves, field_sections, geometry, instants, kinds,  # noqa: E402
+                           maps, read, report, still, sweep, transition, vibration, write)
 from trackbed_post.monitor import command as monitor_command  # noqa: E402
 from trackbed_post.monitor import (ballast, calibration, greens, indicators,  # noqa: E402
                                    passages, regularised)
@@ -54,6 +54,25 @@ def subgrade(text):
                                          f"{', '.join(laws.SOILS)}, ratio of stress to strength "
                                          "up to 1, thickness in m")
     return soil, ratio, thickness
+
+
+def parts(text):
+    """Parts of the model, each once."""
+    chosen = tuple(dict.fromkeys(text.split(",")))
+    known = instants.PARTS + instants.LINES
+    if unknown := [part for part in chosen if part not in known]:
+        raise argparse.ArgumentTypeError(f"{', '.join(unknown)}: the parts are "
+                                         f"{', '.join(known)}")
+    return chosen
+
+
+class Rising(argparse.Action):
+    """Two numbers, the first below the second."""
+
+    def __call__(self, whole, given, values, option_string=None):
+        if values[0] >= values[1]:
+            whole.error(f"argument {option_string}: {values[0]:g} must be below {values[1]:g}")
+        setattr(given, self.dest, values)
 
 
 def positive(text):
@@ -118,8 +137,9 @@ def write_report(given):
 
 
 def draw_still(given):
-    """a picture of a field file; exit code 1 if it has one colour only"""
-    still.render(given.file, given.output, given.array, given.view)
+    """a picture of a field file, of several of the same instant, or of an instant of a run; exit
+    code 1 if it has one colour only"""
+    still.render(given.sources, given.output, given)
 
 
 def draw_vibration(given):
@@ -277,6 +297,20 @@ def parser():
                          help="standard deviation of the sensor's noise in a sample; default: that "
                          "of the quietest part, which contains what the sleeper still moves")
 
+    def of_scene(one):
+        one.add_argument("--array", help="by which the first part is coloured; default: of stones "
+                         "their speed (velocity), otherwise the first one that is not constant")
+        one.add_argument("--view", choices=still.VIEWS,
+                         help=f"direction of view; default: {still.VIEW}")
+        one.add_argument("--parts", type=parts, metavar="PART,...",
+                         help="of the field files of a run, with commas between them, the one that "
+                         "is coloured first; default: those that exist of "
+                         f"{', '.join(instants.PARTS)}")
+        one.add_argument("--limits", type=finite, nargs=2, action=Rising, metavar=("LOW", "HIGH"),
+                         help="of the colours; default: smallest and largest value")
+        one.add_argument("--x", type=finite, nargs=2, action=Rising, metavar=("FROM", "TO"),
+                         help="section along the track, m; default: all")
+
     for name in ("figures", "compare"):  # two names of one command
         one = command(name, figures)
         takes_runs(one)
@@ -297,11 +331,12 @@ def parser():
     takes_runs(one)
     writes(one, "FILE.gif")
     one = command("still", draw_still)
-    one.add_argument("file", metavar="FILE.vtkhdf")
+    one.add_argument("sources", nargs="+", metavar="FILE.vtkhdf|RESULT_DIR")
     one.add_argument("-o", "--output", required=True, metavar="FILE.png")
-    one.add_argument("--array", help="default: the first one that is not constant")
-    one.add_argument("--view", choices=still.VIEWS, default="side",
-                     help="direction of view; default: %(default)s")
+    of_scene(one)
+    one.add_argument("--time", type=finite, metavar="S",
+                     help="of RESULT_DIR: the field files of the nearest instant; default: the "
+                     "last")
     one = command("map", draw_map)
     one.add_argument("source", type=pathlib.Path, metavar="RESULT_DIR|FILE.vtkhdf")
     one.add_argument("--array", help="default: displacement, velocity, force or acceleration, the "

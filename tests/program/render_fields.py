@@ -4,7 +4,7 @@
     render_fields.py FIELDS STAGE PICTURES
 
 Requires a file of each kind (stones, contacts, ground) with cells, and a picture with more than one
-colour.
+colour. Then all parts of the run are drawn in one picture.
 """
 import pathlib
 import re
@@ -13,6 +13,7 @@ import sys
 
 RENDER = pathlib.Path(__file__).resolve().parents[2] / "postproc"
 KINDS = {"stones", "contacts", "ground"}
+TOGETHER = "stones surfaces ground"  # at the end of the run, which has no train
 
 
 def colours_of(path, picture):
@@ -22,6 +23,20 @@ def colours_of(path, picture):
     if not found or int(found[1]) == 0:
         raise SystemExit(f"{path} gives no picture: {run.stdout}{run.stderr}")
     return int(found[2])
+
+
+def draw(*words):
+    run = subprocess.run([sys.executable, RENDER, *words], capture_output=True, text=True,
+                         check=False)
+    if run.returncode:
+        raise SystemExit(f"{words}: {run.returncode} {run.stdout}{run.stderr}")
+    return run.stdout
+
+
+def draw_whole(run, pictures):
+    stated = draw("still", run, "-o", pictures / "all.png")
+    if TOGETHER not in stated:
+        raise SystemExit(f"a picture of all parts has not {TOGETHER}: {stated}")
 
 
 def main():
@@ -34,6 +49,7 @@ def main():
     flat = [kind for kind, found in colours.items() if found < 2]
     if missing or flat:
         raise SystemExit(f"no file of {sorted(missing)}, pictures of one colour {flat}")
+    draw_whole(fields.parent, pictures)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,239 @@
+"""Pictures of the parts of a run, of field files with known places, sizes and speeds."""
+import json
+import subprocess
+import sys
+
+import conftest
+import h5py
+import matplotlib.colors
+import matplotlib.image
+import numpy as np
+import pytest
+
+from trackbed_post import actors, grids, instants, read, scene
+
+VERTEX, LINE, TRIANGLE, POLYGON, HEXAHEDRON = 1, 3, 5, 7, 12  # types of VTK
+RADIUS = 0.25       # m, of the three stones at x = 0.5, 1.5, 2.5, z = 0.3
+SPEEDS = ((2, 2, 2), (2, 4, 0), (2, 1, 0))  # m/s, of each stone at the instants
+TIMES = (0.1, 0.2, 0.5)
+STAGES = ("fill", "load", "load")
+# Brick of a surface or element: its corners from its lowest and highest, in VTK's order.
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1],
+                    [0, 1, 1]])
+FACES = np.array([[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4], [2, 3, 7],
+                  [2, 7, 6], [1, 2, 6], [1, 6, 5], [3, 0, 4], [3, 4, 7]])
+SIDE = np.array([[0, 1, 5], [0, 5, 4]])  # the one at the lowest y
+GROUND = ((0, -0.5, -1), (3, 0.5, 0))
+SLEEPER, PLATEN, WALL = ((1, -0.4, 0.6), (2, 0.4, 0.8)), ((2.2, -0.4, 0.6), (2.8, 0.4, 0.7)), \
+    ((0, -0.5, 0), (3, 0.5, 0.6))
+
+
+def brick(low, high):
+    return np.array(low) + CORNERS * (np.array(high) - low)
+
+
+def write_grid(path, points, cells, kinds, point_data=None, cell_data=None):
+    """VTKHDF file of cells given by lists of points."""
+    with h5py.File(path, "w") as file:
+        group = file.create_group("VTKHDF")
+        group.attrs["Version"], group.attrs["Type"] = [1, 0], np.bytes_("UnstructuredGrid")
+        group["NumberOfPoints"], group["NumberOfCells"] = [len(points)], [len(cells)]
+        group["NumberOfConnectivityIds"] = [sum(map(len, cells))]
+        group["Points"] = np.asarray(points, float)
+        group["Connectivity"] = np.concatenate([np.asarray(cell) for cell in cells])
+        group["Offsets"] = np.cumsum([0, *map(len, cells)])
+        group["Types"] = np.broadcast_to(np.asarray(kinds, np.uint8), len(cells)).copy()
+        for place, data in (("PointData", point_data), ("CellData", cell_data)):
+            of_place = group.create_group(place)
+            for name, (values, unit) in (data or {}).items():
+                of_place[name] = np.asarray(values, float)
+                of_place[name].attrs["units"], of_place[name].attrs["long_name"] = unit, "made"
+
+
+def write_stones(path, speeds):
+    velocity = np.zeros((3, 3))
+    velocity[:, 2] = -np.array(speeds)
+    write_grid(path, [[0.5, 0, 0.3], [1.5, 0, 0.3], [2.5, 0, 0.3]], [[0], [1], [2]], VERTEX,
+               {"radius": ([RADIUS, RADIUS, 0.9 * RADIUS], "m")}, {"velocity": (velocity, "m/s")})
+
+
+def write_surfaces(path):
+    """A sleeper, a platen, and a wall that hides all stones from the side."""
+    points = np.concatenate([brick(*each) for each in (SLEEPER, PLATEN, WALL)])
+    cells = np.concatenate([FACES, 8 + FACES, 16 + SIDE])
+    write_grid(path, points, cells, TRIANGLE,
+               cell_data={"part": ([2] * 12 + [3] * 12 + [0] * 2, "1")})
+
+
+def write_train(path):
+    """A rail with its top at z = 1, a wheel on it and one beyond the bed."""
+    angle = 2 * np.pi * np.arange(64) / 64
+    rims = [np.column_stack([x + 0.4 * np.cos(angle), 0 * angle, 1.4 + 0.4 * np.sin(angle)])
+            for x in (1.5, 9.0)]
+    write_grid(path, np.concatenate([[[0, 0, 1], [3, 0, 1]], *rims]),
+               [[0, 1], 2 + np.arange(64), 66 + np.arange(64)], [LINE, POLYGON, POLYGON],
+               cell_data={"wheel": ([-1, 0, 1], "1")})
+
+
+def write_ground(path):
+    write_grid(path, brick(*GROUND), [np.arange(8)], HEXAHEDRON,
+               cell_data={"stress": ([1.0], "Pa")})
+
+
+OTHERS = {"surfaces": write_surfaces, "ground": write_ground, "train": write_train}
+
+
+@pytest.fixture(name="run", scope="module")
+def field_run(tmp_path_factory):
+    """A folder of three instants in two stages; the train runs at the last one only."""
+    folder = tmp_path_factory.mktemp("run")
+    (folder / "fields").mkdir()
+    series = {}
+    for k, (stage, time) in enumerate(zip(STAGES, TIMES)):
+        for part in ("stones", "surfaces", "ground", "train"):
+            if part == "train" and k < 2:
+                continue
+            name = f"{stage}_{k + 1:06d}_{part}.vtkhdf"
+            if part == "stones":
+                write_stones(folder / "fields" / name, [speed[k] for speed in SPEEDS])
+            else:
+                OTHERS[part](folder / "fields" / name)
+            series.setdefault(part, []).append({"name": name, "time": time})
+    for part, files in series.items():
+        (folder / "fields" / f"{part}.vtkhdf.series").write_text(
+            json.dumps({"file-series-version": "1.0", "files": files}), encoding="utf-8")
+    return folder
+
+
+def call(*words, **more):
+    """In a process of its own, since a command without a display starts itself again."""
+    return subprocess.run([sys.executable, conftest.ROOT / "postproc", *map(str, words)],
+                          capture_output=True, text=True, check=False, **more)
+
+
+def pixels(path):
+    return np.round(255 * matplotlib.image.imread(path)[..., :3]).astype(int)
+
+
+def count(picture, name):
+    """Pixels of a part's colour, as a face towards the eye has it."""
+    colour = np.round(255 * np.array(matplotlib.colors.to_rgb(actors.PLAIN[name])))
+    return int(np.count_nonzero(np.abs(picture - colour).max(axis=2) <= 1))
+
+
+def per_metre(low, high):
+    """Pixels per metre of a picture of this box from the side."""
+    wide, tall = high[0] - low[0], high[2] - low[2]
+    usable = scene.SIZE[0] - scene.BAR
+    return min(usable / wide, scene.SIZE[1] / tall) / 1.1
+
+
+def test_all_parts_of_an_instant_are_in_one_picture_with_one_camera(run, tmp_path):
+    done = call("still", run, "-o", tmp_path / "all.png")
+    assert done.returncode == 0, done.stderr
+    assert "load, 0.5 s, stones surfaces train ground: 33 cells" in done.stdout
+    picture, scale = pixels(tmp_path / "all.png"), per_metre((0, 0, -1), (3, 0, 1.8))
+    areas = {"ground": 3.0, "sleepers": 0.2, "bodies": 0.06, "rail": 3 * 0.172,
+             "wheels": np.pi * 0.4**2}
+    for name, area in areas.items():
+        assert count(picture, name) == pytest.approx(area * scale**2, rel=0.06), name
+    assert 0 < count(picture, "walls") < 5 * 3.6 * scale  # its edges only
+    # The fastest and the slowest stone at the ends of the colours: balls, which are shaded.
+    for colour, stones in (((253, 231, 37), 1), ((68, 1, 84), 2)):
+        found = np.abs(picture[:, :1020] - colour).max(axis=2) <= 12
+        assert found.sum() > 0.1 * stones * np.pi * (RADIUS * scale)**2, colour
+
+
+def test_files_are_drawn_together_and_the_first_is_coloured(run, tmp_path):
+    files = [run / "fields" / f"load_000003_{part}.vtkhdf" for part in ("ground", "surfaces")]
+    done = call("still", *files, "-o", tmp_path / "two.png")
+    assert done.returncode == 0 and "27 cells" in done.stdout, done.stderr
+    picture = pixels(tmp_path / "two.png")
+    assert count(picture, "ground") == 0 and count(picture, "sleepers") > 1000
+
+
+def test_parts_and_time_choose(run, tmp_path):
+    done = call("still", run, "--time", 0.21, "--parts", "ground,stones,train", "-o",
+                tmp_path / "chosen.png")
+    assert done.returncode == 0 and "load, 0.2 s, ground stones: 4 cells" in done.stdout, done
+    picture = pixels(tmp_path / "chosen.png")
+    assert count(picture, "stones") > 500 and count(picture, "ground") == 0  # now coloured
+    assert count(picture, "sleepers") == count(picture, "wheels") == 0
+
+
+def test_section_along_the_track_is_cut_and_larger(run, tmp_path):
+    done = call("still", run, "--x", 0, 1.5, "--parts", "stones,surfaces,ground", "-o",
+                tmp_path / "section.png")
+    assert done.returncode == 0, done.stderr
+    picture, scale = pixels(tmp_path / "section.png"), per_metre((0, 0, -1), (1.5, 0, 0.8))
+    assert scale > 200
+    assert count(picture, "ground") == pytest.approx(1.5 * scale**2, rel=0.02)
+    assert count(picture, "sleepers") == pytest.approx(0.5 * 0.2 * scale**2, rel=0.05)
+    assert count(picture, "bodies") == 0  # the platen is beyond
+    done = call("still", run, "--x", 5, 6, "-o", tmp_path / "section.png")
+    assert done.returncode == 2 and "the parts are from 0 to 3 m" in done.stderr
+
+
+def test_film_is_of_a_stage_or_of_times_and_has_so_many_pictures(run):
+    found = instants.of_run(run)
+    assert [each.time for each in found] == list(TIMES)
+    assert [sorted(each.files) for each in found][0] == ["ground", "stones", "surfaces"]
+    assert [each.time for each in instants.within(found, "load")] == [0.2, 0.5]
+    assert [each.time for each in instants.within(found, None, (0.0, 0.2))] == [0.1, 0.2]
+    assert instants.nearest(found, 0.16).time == 0.2 and instants.nearest(found).time == 0.5
+    assert instants.thinned(list(range(9)), 3) == [0, 4, 8]
+    assert instants.thinned(list(range(3)), 9) == [0, 1, 2]
+    for stage, times, words in (("fil", None, "there are those of fill, load"),
+                                ("load", (2, 3), "their times go from 0.2 to 0.5 s")):
+        with pytest.raises(read.Unreadable, match=words):
+            instants.within(found, stage, times)
+
+
+@pytest.mark.parametrize("still", (True,))
+def test_runs_without_what_is_asked_for_are_refused(run, tmp_path, still):
+    empty, command = tmp_path / "empty", ("still",) if still else ("film",)
+    empty.mkdir()
+    output = ("-o", tmp_path / ("p.png" if still else "p.gif"))
+    for words, sentence in (((empty, ), "output.fields=true"),
+                            ((tmp_path / "none", ), "does not exist"),
+                            ((run, "--parts", "stones,bonds"), "no field files of bonds; it has"),
+                            ((run, "--parts", "stone"), "the parts are stones, surfaces"),
+                            ((run, "--limits", 2, -1), "2 must be below -1")):
+        done = conftest.call(*command, *words, *output)
+        assert done.returncode == 2 and sentence in done.stderr, (words, done)
+    contacts = tmp_path / "contacts" / "fields"
+    contacts.mkdir(parents=True)
+    (contacts / "contacts.vtkhdf.series").write_text('{"files": [{"name": "a", "time": 1}]}')
+    done = conftest.call(*command, contacts.parent, *output)
+    assert done.returncode == 2 and "--parts contacts" in done.stderr
+    (contacts / "contacts.vtkhdf.series").write_text("{")
+    done = conftest.call(*command, contacts.parent, *output)
+    assert done.returncode == 2 and "is damaged" in done.stderr
+
+
+def test_files_that_do_not_belong_together_are_refused(run, tmp_path):
+    fields, output = run / "fields", ("-o", tmp_path / "p.png")
+    for words, sentence in (
+            ((fields / "fill_000001_stones.vtkhdf", fields / "load_000002_ground.vtkhdf"),
+             "different instants"),
+            ((fields / "fill_000001_stones.vtkhdf", "--time", 1), "give its folder"),
+            ((run, fields / "fill_000001_stones.vtkhdf"), "give one folder"),
+            ((fields / "fill_000001_stones.vtkhdf",) * 2, "twice")):
+        done = conftest.call("still", *words, *output)
+        assert done.returncode == 2 and sentence in done.stderr, (words, done)
+
+
+def test_speed_colours_stones_only_if_it_varies():
+    survey = grids.Survey("stones")
+    survey.file = conftest.ROOT / "README.md"
+    survey.ranges = {("radius", True): (1, 2), ("velocity", False): (0, 0)}
+    choose, grids.unit_of = grids.unit_of, lambda *_: "m"
+    try:
+        assert survey.colouring().name == "radius"
+        survey.ranges["velocity", False] = (0, 3)
+        assert survey.colouring().limits == (0, 3) and survey.colouring().title() == "speed, m"
+        assert survey.colouring("radius", (1, 5)).limits == (1, 5)
+        survey.part = "ground"
+        assert survey.colouring().name == "radius"
+    finally:
+        grids.unit_of = choose
