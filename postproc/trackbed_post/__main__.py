@@ -10,8 +10,8 @@ import matplotlib
 
 matplotlib.use("Agg")
 
-from trackbed_post import (curves, field_sections, geometry, instants, kinds,  # noqa: E402
-                           maps, read, report, still, sweep, transition, vibration, write)
+from trackbed_post import (curves, field_film, field_sections, films, geometry,  # noqa: E402
+                           instants, kinds, maps, read, report, still, sweep, vibration, write)
 from trackbed_post.monitor import command as monitor_command  # noqa: E402
 from trackbed_post.monitor import (ballast, calibration, greens, indicators,  # noqa: E402
                                    passages, regularised)
@@ -75,6 +75,12 @@ class Rising(argparse.Action):
         setattr(given, self.dest, values)
 
 
+def count(text):
+    if not text.isdigit() or not int(text):
+        raise argparse.ArgumentTypeError(f"{text}: must be a whole number above 0")
+    return int(text)
+
+
 def positive(text):
     try:
         value = float(text)
@@ -118,13 +124,9 @@ def figures(given):
 
 
 def film(given):
-    """a film (GIF) of a train over a transition zone; of two runs, the levels of both"""
-    if len(given.results) > 2:
-        raise read.Unreadable("give one or two result folders")
-    content = transition.film_of(given.results, write.origin_of(given.results))
-    write.folder(given.output.resolve().parent)
-    write.whole(given.output, content)
-    print(f"{given.output}: {len(content) / 1e6:.1f} MB")
+    """a film (GIF) of a train over a transition zone, of two runs the levels of both; of any other
+    run the field files as pictures of the model in space (GIF, MP4)"""
+    films.write_film(given)
 
 
 def write_report(given):
@@ -329,7 +331,17 @@ def parser():
                      "loads it as often")
     one = command("film", film)
     takes_runs(one)
-    writes(one, "FILE.gif")
+    writes(one, "FILE.gif|FILE.mp4")
+    one.add_argument("--fields", action="store_true",
+                     help="draws the field files also of a transition zone; so does each of the "
+                     "options below")
+    of_scene(one)
+    one.add_argument("--stage", metavar="NAME", help="default: all stages")
+    one.add_argument("--time", type=finite, nargs=2, metavar=("FROM", "TO"),
+                     help="times of the run, s; default: all")
+    one.add_argument("--frames", type=count, metavar="N",
+                     help="largest number of pictures, evenly spread over the field files; "
+                     f"default: {field_film.FRAMES}")
     one = command("still", draw_still)
     one.add_argument("sources", nargs="+", metavar="FILE.vtkhdf|RESULT_DIR")
     one.add_argument("-o", "--output", required=True, metavar="FILE.png")

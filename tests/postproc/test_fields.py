@@ -1,5 +1,6 @@
-"""Pictures of the parts of a run, of field files with known places, sizes and speeds."""
+"""Pictures and films of the parts of a run, of field files with known places, sizes and speeds."""
 import json
+import os
 import subprocess
 import sys
 
@@ -9,8 +10,9 @@ import matplotlib.colors
 import matplotlib.image
 import numpy as np
 import pytest
+from PIL import Image
 
-from trackbed_post import actors, grids, instants, read, scene
+from trackbed_post import actors, grids, instants, read, scene, transition
 
 VERTEX, LINE, TRIANGLE, POLYGON, HEXAHEDRON = 1, 3, 5, 7, 12  # types of VTK
 RADIUS = 0.25       # m, of the three stones at x = 0.5, 1.5, 2.5, z = 0.3
@@ -174,6 +176,33 @@ def test_section_along_the_track_is_cut_and_larger(run, tmp_path):
     assert done.returncode == 2 and "the parts are from 0 to 3 m" in done.stderr
 
 
+def test_film_has_the_same_camera_and_colours_in_all_pictures(run, tmp_path):
+    done = call("film", run, "-o", tmp_path / "film.gif", "--parts", "stones,ground")
+    assert done.returncode == 0, done.stderr
+    assert "3 instants from 0.1 to 0.5 s: stones, ground; stones coloured by velocity from 0 to 4" \
+        " m/s" in done.stdout
+    with Image.open(tmp_path / "film.gif") as film:
+        assert film.n_frames == 3 and film.size == scene.SIZE
+        frames = []
+        for k in range(3):
+            film.seek(k)
+            frames.append(np.asarray(film.convert("RGB"), int))
+    scale, left = per_metre((0, 0, -1), (3, 0, 0.55)), (scene.SIZE[0] - scene.BAR) / 2
+    row = int(scene.SIZE[1] / 2 - (0.3 - -0.225) * scale)
+    stone = [[frame[row, int(left + (x - 1.5) * scale)] for frame in frames]
+             for x in (0.5, 1.5, 2.5)]
+    # The same speed, the same colour, at all instants and of other stones; the ends of the colours
+    # are the smallest and largest speed of the whole film.
+    speeds = np.array(SPEEDS) / 4
+    expected = 255 * matplotlib.colormaps["viridis"](speeds)[..., :3]
+    assert np.abs(stone - expected).max() <= 12, stone
+    bars = [frame[200:450, 1000:] for frame in frames]
+    assert all(np.abs(bar - bars[0]).mean() < 3 for bar in bars)
+    # Only the label and the stones differ.
+    label = [frame[460:, :200] for frame in frames]
+    assert np.abs(label[0] - label[2]).max() > 100
+
+
 def test_film_is_of_a_stage_or_of_times_and_has_so_many_pictures(run):
     found = instants.of_run(run)
     assert [each.time for each in found] == list(TIMES)
@@ -189,7 +218,7 @@ def test_film_is_of_a_stage_or_of_times_and_has_so_many_pictures(run):
             instants.within(found, stage, times)
 
 
-@pytest.mark.parametrize("still", (True,))
+@pytest.mark.parametrize("still", (True, False))
 def test_runs_without_what_is_asked_for_are_refused(run, tmp_path, still):
     empty, command = tmp_path / "empty", ("still",) if still else ("film",)
     empty.mkdir()
@@ -237,3 +266,52 @@ def test_speed_colours_stones_only_if_it_varies():
         assert survey.colouring().name == "radius"
     finally:
         grids.unit_of = choose
+
+
+def test_mp4_needs_ffmpeg_which_gets_every_picture(run, tmp_path):
+    film, tools = tmp_path / "film.mp4", tmp_path / "tools"
+    tools.mkdir()
+    done = call("film", run, "-o", film, env={**os.environ, "PATH": str(tools)})
+    assert done.returncode == 2 and "install it" in done.stderr and ".gif" in done.stderr
+    encoder = tools / "ffmpeg"
+    encoder.write_text('#!/bin/sh\nfor last; do :; done\nwc -c > "$last"\n')
+    encoder.chmod(0o755)
+    path = f"{tools}{os.pathsep}{os.environ['PATH']}"
+    done = call("film", run, "-o", film, "--stage", "load", env={**os.environ, "PATH": path})
+    assert done.returncode == 0, done.stderr
+    assert int(film.read_text()) == 2 * 3 * scene.SIZE[0] * scene.SIZE[1]
+    encoder.write_text("#!/bin/sh\necho no such encoder >&2; exit 1\n")
+    done = call("film", run, "-o", film, "--frames", 1, env={**os.environ, "PATH": path})
+    assert done.returncode == 2 and "no such encoder" in done.stderr
+
+
+def write_results(folder, deck):
+    with h5py.File(folder / "results.h5", "w") as file:
+        file.attrs["deck"], file.attrs["version"] = deck, "0"
+
+
+def test_transition_zones_keep_their_film(tmp_path, monkeypatch):
+    write_results(tmp_path, 'dimension = "plane"\n[[stage]]\nname = "a"\ntrain = true\n')
+    monkeypatch.setattr(transition, "film_of", lambda *_: b"GIF of the zone")
+    film = tmp_path / "film.gif"
+    assert conftest.call("film", tmp_path, "-o", film).returncode == 0
+    assert film.read_bytes() == b"GIF of the zone"
+    for option in (("--fields",), ("--view", "top"), ("--stage", "a")):
+        done = conftest.call("film", tmp_path, "-o", film, *option)
+        assert done.returncode == 2 and "has no field files" in done.stderr
+    done = conftest.call("film", tmp_path, tmp_path, "-o", film, "--fields")
+    assert done.returncode == 2 and "shows one run" in done.stderr
+    write_results(tmp_path, 'dimension = "space"\n[[stage]]\nname = "a"\ntrain = true\n')
+    done = conftest.call("film", tmp_path, "-o", film)
+    assert done.returncode == 2 and "has no field files" in done.stderr
+
+
+def test_zone_without_its_own_film_has_that_of_its_fields(run, tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    (folder / "fields").symlink_to(run / "fields")
+    write_results(folder, 'dimension = "plane"\n[[stage]]\nname = "a"\ntrain = true\n')
+    done = call("film", folder, "-o", tmp_path / "film.gif")
+    assert done.returncode == 0 and "since the transition zone has none" in done.stdout, done
+    with Image.open(tmp_path / "film.gif") as film:
+        assert film.n_frames == 3

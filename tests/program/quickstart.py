@@ -43,6 +43,12 @@ def figures(source, folder, *runs, film=False):
         with Image.open(made / "film.gif") as frames:
             if frames.n_frames < 3:
                 raise SystemExit(f"the film has {frames.n_frames} frames")
+            size = frames.size
+        draw(source, "film", results[0], "--fields", "--parts", "contacts", "--frames", "3", "-o",
+             made / "fields.gif")
+        with Image.open(made / "fields.gif") as frames:
+            if frames.n_frames != 3 or frames.size == size:
+                raise SystemExit("--fields does not decide between the two films")
     return (made / "transition.txt").read_text(encoding="utf-8")
 
 

@@ -4,12 +4,15 @@
     render_fields.py FIELDS STAGE PICTURES
 
 Requires a file of each kind (stones, contacts, ground) with cells, and a picture with more than one
-colour. Then all parts of the run are drawn in one picture.
+colour. Then the whole run is drawn: a picture of all parts, and a film with a picture for each of
+its instants.
 """
 import pathlib
 import re
 import subprocess
 import sys
+
+from PIL import Image
 
 RENDER = pathlib.Path(__file__).resolve().parents[2] / "postproc"
 KINDS = {"stones", "contacts", "ground"}
@@ -37,6 +40,11 @@ def draw_whole(run, pictures):
     stated = draw("still", run, "-o", pictures / "all.png")
     if TOGETHER not in stated:
         raise SystemExit(f"a picture of all parts has not {TOGETHER}: {stated}")
+    draw("film", run, "-o", pictures / "film.gif", "--view", "corner")
+    instants = len(list((run / "fields").glob("*_stones.vtkhdf")))
+    with Image.open(pictures / "film.gif") as film:
+        if film.n_frames != instants:
+            raise SystemExit(f"the film has {film.n_frames} pictures of {instants} instants")
 
 
 def main():
