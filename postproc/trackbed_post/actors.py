@@ -7,6 +7,7 @@ field files, have a width that is drawn, not computed.
 from trackbed_post import grids
 
 COLOURS = 256
+MANY = 100_000  # balls, which are a few pixels large then and drawn with fewer faces
 # Of parts that are not coloured by an array: none of them is a colour of the array.
 PLAIN = {"stones": "#a6a6a6", "walls": "#808080", "sleepers": "#8c564b", "bodies": "#b9c4d0",
          "rail": "#303030", "wheels": "#d62728", "ground": "#e3d3b0", "solids": "#c49c94",
@@ -52,6 +53,9 @@ def balls(grid, colouring):
         centres.GetPointData().AddArray(item)
     ball = vtk.vtkSphereSource()
     ball.SetRadius(1)
+    if len(places) > MANY:
+        ball.SetThetaResolution(6)
+        ball.SetPhiResolution(5)
     glyphs = vtk.vtkGlyph3DMapper()
     glyphs.SetInputData(centres)
     glyphs.SetSourceConnection(ball.GetOutputPort())
