@@ -268,14 +268,12 @@ def table(runs):
 
 def ground_lowered(results):
     """Downward displacement of the ground's top below each sleeper since the passage began, m,
-    [time, sleeper]; zero on a rigid floor."""
-    rows = results.passage()
-    count = len(results.time[rows])
+    [time, sleeper]; one row of zeros on a rigid floor."""
     if "displacement" not in results.ground or not len(results.ground_x):
-        return np.zeros((count, len(results.sleepers_x)))
-    height = results.ground["displacement"].values[rows]
+        return np.zeros((1, len(results.sleepers_x)))
+    height = results.ground["displacement"].values[results.passage()]
     return np.stack([np.interp(results.sleepers_x, results.ground_x, row)
-                     for row in height[0] - height]).reshape(count, -1)
+                     for row in height[0] - height])
 
 
 def residual_ground(results):

@@ -256,13 +256,16 @@ def verdict(trains, changes):
     now, other = changes
     steepest = compared(now, other, "the steepest change of this level between two sleepers",
                         "mm/m", 1e3, "steepest")
+    scatter = f"{1e3 * max(now.scatter, other.scatter):.2g} mm/m"
     if now.steepest <= (1 + measures.CLEAR) * now.scatter < other.steepest:
         steepest += f", no more than the scatter on plain track ({1e3 * now.scatter:.2g} mm/m)"
+    else:
+        steepest += f", where the stones alone cause up to {scatter} on plain track"
     return ("The lowest level of the rail under the train changes from structure to plain track. "
             f"With the wedge, {measures.REACHED:.0%} of this change is reached {now.width:.2g} m "
             f"behind the structure instead of {other.width:.2g} m; {steepest}; "
             + compared(now, other, "the largest wheel force in the transition", "kN", 1e-3,
-                       "force") + ".")
+                       "force") + ". One packing of stones was computed.")
 
 
 def numbers(folder):
@@ -347,9 +350,9 @@ def compare(trains, changes, sentence):
         panel.grid(alpha=0.3)
         panel.legend(fontsize=8, ncols=2)
     text = textwrap.fill(sentence, WRAP)
-    figure.text(0.02, 0.02, text, fontsize=10, va="bottom")
+    figure.text(0.02, 0.03, text, fontsize=10, va="bottom")
     for _ in range(2):  # the first may change the ticks, whose labels have other widths
-        figure.tight_layout(rect=(0, 0.03 + 0.019 * (text.count("\n") + 1), 1, 1))
+        figure.tight_layout(rect=(0, 0.04 + 0.019 * (text.count("\n") + 1), 1, 1))
     return figure
 
 
