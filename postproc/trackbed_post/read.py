@@ -9,15 +9,19 @@
 
 A file that cannot be read raises Unreadable, which ends a command with one message and code 2.
 """
+import collections.abc
 import contextlib
 import dataclasses
 import json
 import pathlib
 import re
 import tomllib
+import typing
 
 import h5py
 import numpy as np
+
+Deck = dict[str, typing.Any]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -26,6 +30,9 @@ class Quantity:
     values: np.ndarray
     unit: str
     meaning: str
+
+
+Quantities = dict[str, Quantity]  # by their names
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,46 +62,46 @@ class Stones:
 class Results:
     """One run. Histories are [time, place]; x of the places is in `sleepers_x` and `ground_x`."""
     name: str
-    deck: dict
+    deck: Deck
     version: str
     ranks: int
     sleepers_x: np.ndarray
     ground_x: np.ndarray
     time: np.ndarray
     stage: np.ndarray
-    sleeper: dict
-    ground: dict
-    energy: dict
+    sleeper: Quantities
+    ground: Quantities
+    energy: Quantities
     grading: np.ndarray  # per sieve: opening, m; passing prescribed, least and most, %
-    walls: dict  # per wall `force`, N, and `displacement`, m: [time, x y z]
-    platen: dict  # `z`, m, and `pressure`, Pa: [time]; `force`, N: [time, x y z]
-    regions: dict  # histories per region; [time, cell], tensors [time, cell, 6]
-    sensors: dict  # histories per sensor: [time], [time, x y z]; stress [time, 6]
-    placed: dict  # histories per stone placed by the deck: [time], [time, x y z]
-    surfaces: dict  # per plate and box `force`, `impulse`, `peak_force`, `displacement`
-    total: dict  # all stones placed by the deck: momentum, angular momentum, contacts
-    sleeper_envelope: dict
-    ground_envelope: dict
-    chains: dict
-    stones: dict
-    warnings: tuple             # messages of the run, from summary.json
-    surface: dict               # stage -> rows x, y, z of the bed's top, m; z nan without stones
-    breaks: dict                # stage -> rows of BREAK, pebbles that broke off up to its end
-    bonds: dict                 # stage -> Bonds at its end
+    walls: dict[str, Quantities]  # per wall `force`, N, and `displacement`, m: [time, x y z]
+    platen: Quantities  # `z`, m, and `pressure`, Pa: [time]; `force`, N: [time, x y z]
+    regions: dict[str, Quantities]  # per region; [time, cell], tensors [time, cell, 6]
+    sensors: dict[str, Quantities]  # per sensor: [time], [time, x y z]; stress [time, 6]
+    placed: dict[str, Quantities]  # per stone placed by the deck: [time], [time, x y z]
+    surfaces: dict[str, Quantities]  # per plate and box force, impulse, peak_force, displacement
+    total: Quantities  # all stones placed by the deck: momentum, angular momentum, contacts
+    sleeper_envelope: Quantities
+    ground_envelope: Quantities
+    chains: dict[str, Chains]
+    stones: dict[str, Stones]
+    warnings: tuple[str, ...]       # messages of the run, from summary.json
+    surface: dict[str, np.ndarray]  # stage -> rows x, y, z of the bed's top, m; z nan: no stone
+    breaks: dict[str, np.ndarray]   # stage -> rows of BREAK, pebbles that broke off up to its end
+    bonds: dict[str, Bonds]         # stage -> those at its end
 
-    def _last_passage(self):
+    def _last_passage(self) -> int:
         """Number of the last passage stage, or -1; earlier passages bed the sleepers in."""
         kinds = [stage.get("kind") for stage in self.deck.get("stage", [])]
         return max((i for i, kind in enumerate(kinds) if kind == "passage"), default=-1)
 
-    def asks_for_passage(self):
+    def asks_for_passage(self) -> bool:
         return self._last_passage() >= 0
 
-    def has_passage(self):
+    def has_passage(self) -> bool:
         """Whether the passage has rows: a run may have been stopped before."""
         return bool(np.any(self.stage == self._last_passage()))
 
-    def passage(self):
+    def passage(self) -> slice:
         """Rows of the histories during the train's passage; of the last stage if there is none."""
         rows = np.flatnonzero(self.stage == self._last_passage())
         if not len(rows):
@@ -108,7 +115,7 @@ class Unreadable(Exception):
 
 
 @contextlib.contextmanager
-def _opened(path):
+def _opened(path: pathlib.Path) -> collections.abc.Iterator[h5py.File]:
     """The opened file. Any error in its contents means that it is not a file of trackbed."""
     try:
         with h5py.File(path, "r") as file:
@@ -118,37 +125,37 @@ def _opened(path):
         raise Unreadable(f"{path} is not an HDF5 file, or is damaged ({reason})") from None
 
 
-def as_text(value):
+def as_text(value: object) -> str:
     """An attribute that is text, as HDF5 stores it."""
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
-def _quantity(dataset):
+def _quantity(dataset: h5py.Dataset) -> Quantity:
     return Quantity(dataset[()], as_text(dataset.attrs["units"]),
                     as_text(dataset.attrs["long_name"]))
 
 
-def _is_axis(path, dataset):
+def _is_axis(path: str, dataset: h5py.Dataset) -> bool:
     """Whether it only labels the rows or columns of others in its group, as netCDF's readers
     expect: an axis, or positions that occur twice and therefore are none."""
     return h5py.h5ds.is_scale(dataset.id) or (path.endswith("/x") and "/wheel/" not in path)
 
 
-def _quantities(file, group):
+def _quantities(file: h5py.File, group: str) -> Quantities:
     """The datasets of a group without their axes."""
     return {name: _quantity(dataset) for name, dataset in file[group].items()
             if not _is_axis(f"{group}/{name}", dataset)} if group in file else {}
 
 
-def _of_places(file, group):
+def _of_places(file: h5py.File, group: str) -> Quantities:
     """Histories as [time, place], also for a single place, which the file stores as [time]."""
     return {name: dataclasses.replace(one, values=one.values.reshape(len(one.values), -1))
             if one.values.ndim == 1 else one for name, one in _quantities(file, group).items()}
 
 
-def _regions(file):
+def _regions(file: h5py.File) -> dict[str, Quantities]:
     """Histories of each region as [time, cell], of tensors [time, cell, 6]."""
-    found = {}
+    found: dict[str, Quantities] = {}
     for name, group in (file["history/region"].items() if "history/region" in file else ()):
         found[name] = {}
         for figure, flat in _quantities(file, group.name).items():
@@ -158,36 +165,36 @@ def _regions(file):
     return found
 
 
-def _warnings(summary):
+def _warnings(summary: pathlib.Path) -> tuple[str, ...]:
     """Warnings of the run; none before it has ended."""
     if not summary.is_file():
         return ()
     return tuple(json.loads(summary.read_text(encoding="utf-8")).get("warnings", ()))
 
 
-def _named(file, place):
+def _named(file: h5py.File, place: str) -> dict[str, Quantities]:
     """Histories of each named part."""
     return {name: _quantities(file, group.name)
             for name, group in (file[place].items() if place in file else ())}
 
 
-def _platen(file):
+def _platen(file: h5py.File) -> Quantities:
     """z and pressure as [time], force as [time, x y z]."""
     return {name: dataclasses.replace(one, values=one.values.reshape(len(one.values), -1).squeeze())
             for name, one in _quantities(file, "history/platen").items()}
 
 
-def _in_order(names, deck):
+def _in_order(names: collections.abc.Iterable[str], deck: Deck) -> list[str]:
     """Names of stages in the order of the deck; HDF5 lists them alphabetically."""
     order = [stage.get("name") for stage in deck.get("stage", [])]
     return sorted(names, key=lambda name: order.index(name) if name in order else len(order))
 
 
-def _array(file, path):
+def _array(file: h5py.File, path: str) -> np.ndarray:
     return file[path][()] if path in file else np.empty(0)
 
 
-def _place(path, name):
+def _place(path: pathlib.Path | str, name: str) -> pathlib.Path:
     path = pathlib.Path(path)
     found = path / name if path.is_dir() else path
     if not found.is_file():
@@ -195,7 +202,7 @@ def _place(path, name):
     return found
 
 
-def results(path):
+def results(path: pathlib.Path | str) -> Results:
     """Reads results.h5 (the file or its folder); parts that a run did not have are empty."""
     file_path = _place(path, "results.h5")
     with _opened(file_path) as file:
@@ -218,19 +225,19 @@ BROKEN = {name: k for k, name in enumerate((
 PEBBLE, CORNER, SPLIT, DUST = range(4)  # kinds of a break; older results have pebbles alone
 
 
-def _breaks(rows):
+def _breaks(rows: np.ndarray) -> np.ndarray:
     """Rows of BREAK; zeros where an older file has no such column."""
     rows = rows.reshape(-1, rows.shape[-1])  # also without a row
     return np.pad(rows, ((0, 0), (0, len(BREAK) - rows.shape[1])))
 
 
-def _foreign(file_path, file):
+def _foreign(file_path: pathlib.Path, file: h5py.File) -> str:
     kind = as_text(file.attrs.get("kind", ""))
     return (f"{file_path} is not a results.h5 of trackbed"
             f"{f' but a {kind}' if kind else ''}")
 
 
-def _results(file_path, file):
+def _results(file_path: pathlib.Path, file: h5py.File) -> Results:
     deck = tomllib.loads(as_text(file.attrs["deck"]))
     stages = file["chains"] if "chains" in file else {}
     stone_stages = file["stones"] if "stones" in file else {}
@@ -275,13 +282,13 @@ def _results(file_path, file):
                for name in _in_order(bonds, deck)})
 
 
-def folder_of(path):
+def folder_of(path: pathlib.Path | str) -> pathlib.Path:
     """The folder of a run, given by itself or by its results.h5."""
     path = pathlib.Path(path)
     return path.parent if path.name == "results.h5" and path.is_file() else path
 
 
-def summary(folder):
+def summary(folder: pathlib.Path | str) -> dict[str, typing.Any]:
     """The contents of summary.json; empty while a run goes on, or after it was killed."""
     path = folder_of(folder) / "summary.json"
     try:
@@ -290,8 +297,8 @@ def summary(folder):
         return {}
 
 
-def origin(path):
-    """(what wrote a results.h5, its deck as a dictionary, the deck's text)."""
+def origin(path: pathlib.Path | str) -> tuple[str, Deck, str]:
+    """(what wrote a results.h5, its deck, the deck's text)."""
     file_path = _place(path, "results.h5")
     with _opened(file_path) as file:
         kind = as_text(file.attrs.get("kind", "trackbed results"))
@@ -304,14 +311,15 @@ def origin(path):
         return words, tomllib.loads(text), text
 
 
-def datasets(path):
-    """Every dataset of an HDF5 file, or of results.h5 in a folder, by its path, as a Quantity;
+def datasets(path: pathlib.Path | str) -> Quantities:
+    """Every dataset of an HDF5 file, or of results.h5 in a folder, by its path;
     missing labels are empty. The axes within groups of histories and envelopes (history/sleeper/x)
     are left out, since they repeat history/time, sleepers/x, ground/x, rail/x and envelope/x, or
     are numbers."""
-    found = {}
+    found: Quantities = {}
 
-    def see(group):  # visititems would give a dataset with several names only once
+    # visititems would give a dataset with several names only once.
+    def see(group: h5py.Group) -> None:
         for item in group.values():
             if isinstance(item, h5py.Group):
                 see(item)
@@ -327,7 +335,7 @@ def datasets(path):
     return found
 
 
-def checkpoint(path, stage=""):
+def checkpoint(path: pathlib.Path | str, stage: str = "") -> Quantities:
     """Every dataset of a checkpoint; of a folder, that at the end of the stage of this name, or the
     file named in its text file `latest`."""
     path = pathlib.Path(path)
@@ -342,7 +350,7 @@ def checkpoint(path, stage=""):
     return datasets(path)
 
 
-def fields(folder, stage, part):
+def fields(folder: pathlib.Path | str, stage: str, part: str) -> dict[int, pathlib.Path]:
     """Field files of a stage in a result folder, by the number of their window in the stage. Parts
     are stones, contacts, ground, solids, surfaces and train."""
     name = re.compile(rf"{re.escape(stage)}_(\d+)_{part}\.vtkhdf")
@@ -351,7 +359,7 @@ def fields(folder, stage, part):
     return dict(sorted(numbered.items()))
 
 
-def series(folder, part):
+def series(folder: pathlib.Path | str, part: str) -> list[tuple[float, pathlib.Path]]:
     """(time, s, file) of each field file of a part over the whole run, in order of time."""
     path = pathlib.Path(folder) / "fields" / f"{part}.vtkhdf.series"
     if not path.is_file():

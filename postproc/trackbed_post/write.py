@@ -1,5 +1,6 @@
 """Writes files completely or not at all. An error is a read.Unreadable with code 2 if another path
 helps, with code 4 if the disk cannot take the file."""
+import collections.abc
 import csv
 import datetime
 import errno
@@ -8,6 +9,8 @@ import os
 import pathlib
 
 import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from trackbed_post import read
 
@@ -21,11 +24,11 @@ matplotlib.rcParams["axes.prop_cycle"] = matplotlib.cycler(color=[
     "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9", "#CC79A7", "#F0E442", "#000000"])
 
 
-def reason_of(error):
+def reason_of(error: OSError) -> str:
     return error.strerror or str(error)
 
 
-def folder(path):
+def folder(path: pathlib.Path | str) -> None:
     """Creates the folder if it is missing."""
     try:
         pathlib.Path(path).mkdir(parents=True, exist_ok=True)
@@ -36,7 +39,7 @@ def folder(path):
             from None
 
 
-def whole(path, content):
+def whole(path: pathlib.Path | str, content: bytes) -> None:
     """Writes bytes under another name first, so that an older file is kept if the disk is full."""
     path = pathlib.Path(path)
     part = path.with_name(path.name + ".part")
@@ -53,7 +56,7 @@ def whole(path, content):
         raise ending from None
 
 
-def origin_of(results):
+def origin_of(results: collections.abc.Sequence[pathlib.Path | str]) -> str:
     """Titles of the decks, program and commit, runs, and today's date, for the lower edge of
     pictures."""
     origins = [read.origin(path) for path in results]
@@ -66,13 +69,13 @@ def origin_of(results):
     return f"{modelled}{'; '.join(programs)}: {names}, drawn on {datetime.date.today()}"
 
 
-def state_origin(figure, origin):
+def state_origin(figure: Figure, origin: str) -> None:
     """Lines at the lower edge; a dollar in a name is no formula."""
     figure.text(0.995, 0.003, origin.replace("$", r"\$"), fontsize=6, ha="right", va="bottom",
                 color="0.4")
 
 
-def axis_label(panel, which):
+def axis_label(panel: Axes, which: str) -> str:
     """Label of the axis, or of a panel that shares it; in one line."""
     shared = panel.get_shared_x_axes() if which == "x" else panel.get_shared_y_axes()
     panels = [panel, *shared.get_siblings(panel)]
@@ -80,7 +83,7 @@ def axis_label(panel, which):
     return " ".join(next((label for label in labels if label), "").split())
 
 
-def lines_of(figure):
+def lines_of(figure: Figure) -> str:
     """All lines of a figure as CSV, a row for each point: title of the panel, labels of its axes,
     name of the line, x and y as they are drawn. Empty for a picture without lines."""
     rows = []
@@ -101,23 +104,26 @@ def lines_of(figure):
 
 
 class Folder:
-    """Where a command writes, and what it wrote: `pictures` (paths of the first format), `tables`
+    """Where a command writes, and what it wrote: `pictures` (of the first format), `tables`
     (texts for a reader), `remarks` (why a figure is missing). `origin`, a line at the lower edge of
     every picture, states of which runs it is."""
 
-    def __init__(self, path, origin="", formats=("png",)):
+    def __init__(self, path: pathlib.Path | str, origin: str = "",
+                 formats: collections.abc.Sequence[str] = ("png",)) -> None:
         self.path, self.origin, self.formats = pathlib.Path(path), origin, formats
-        self.pictures, self.tables, self.remarks = [], [], []
+        self.pictures: list[pathlib.Path] = []
+        self.tables: list[str] = []
+        self.remarks: list[str] = []
         folder(self.path)
 
-    def file(self, name, content):
+    def file(self, name: str, content: str | bytes) -> None:
         whole(self.path / name, content.encode() if isinstance(content, str) else content)
 
-    def table(self, name, text):
+    def table(self, name: str, text: str) -> None:
         self.file(name, text)
         self.tables.append(text)
 
-    def picture(self, name, figure, origin=""):
+    def picture(self, name: str, figure: Figure, origin: str = "") -> None:
         """Writes NAME.png, or the formats asked for, and closes the figure; csv: its lines as
         NAME_lines.csv. `origin`: of a picture of some of the runs."""
         import matplotlib.pyplot as plt  # here: not needed by those who only read results
