@@ -3,6 +3,7 @@ published curve.
 
 A history is a curve over time, an envelope one over x. What is computed: docs/postproc.md.
 """
+import collections.abc
 import dataclasses
 import pathlib
 
@@ -10,7 +11,7 @@ import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measured, read
+from trackbed_post import measured, read, write
 
 STYLES = ("-", "--", "-.", ":")
 AXES = ("history/time", "history/stage", "envelope/x", "envelope/place")
@@ -30,25 +31,28 @@ class Curve:
     place: int = 0  # number of the column
 
 
-def known(path):
+Curves = collections.abc.Sequence[Curve]
+
+
+def known(path: pathlib.Path | str) -> list[str]:
     """Names of the datasets that can be drawn: those of histories and envelopes."""
     return [name for name, item in read.datasets(path).items()
             if name.startswith(("history/", "envelope/")) and item.values.ndim in (1, 2)
             and name not in AXES]
 
 
-def _text(value):
+def _text(value: object) -> str:
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
-def _sides(x, values):
+def _sides(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(x, values) with a column for each rail, of rows that list left before right."""
     if len(x) > 1 and len(x) % 2 == 0 and (x[::2] == x[1::2]).all():
         return x[::2], values.reshape(len(x) // 2, 2)
     return x, values.reshape(len(x), -1)
 
 
-def _columns(item, count):
+def _columns(item: h5py.Dataset, count: int) -> list[str]:
     """A label for each column of a history: its place, or its name and number."""
     if count == 1 or item.ndim < 2 or not item.dims[1].values():
         return [""] * count
@@ -62,7 +66,7 @@ def _columns(item, count):
     return [f"{name} {k}" for k in range(count)]
 
 
-def _read(path, name):
+def _read(path: pathlib.Path, name: str) -> tuple[np.ndarray, str, np.ndarray, str, list[str]]:
     """(x, unit of x, values [x, column], unit, labels of the columns) of a dataset."""
     with h5py.File(path, "r") as file:
         item = file[name]
@@ -81,7 +85,7 @@ def _read(path, name):
                 _text(item.attrs.get("units", "")), labels)
 
 
-def of_run(path, name, place=-1):
+def of_run(path: pathlib.Path | str, name: str, place: int = -1) -> Curve:
     """The Curve of a dataset such as history/rail/displacement. `place`: number of its column (of
     an envelope on two rails 0 left, 1 right); -1 for the one with the largest range."""
     path = pathlib.Path(path)
@@ -102,17 +106,18 @@ def of_run(path, name, place=-1):
     return Curve(label, x, x_unit, values[:, place], unit, place)
 
 
-def of_runs(paths, name, place=-1):
-    """The Curves of several runs at one place: without `place` that of the largest range in the
-    first run."""
+def of_runs(paths: collections.abc.Sequence[pathlib.Path | str], name: str,
+            place: int = -1) -> Curves:
+    """Curves at one place: without `place` that of the largest range in the first run."""
     first = of_run(paths[0], name, place)
     return [first, *(of_run(path, name, first.place) for path in paths[1:])]
 
 
-def of_file(text):
+def of_file(text: pathlib.Path | str) -> Curve:
     """The Curve of FILE.csv:X:Y, two columns of a file with a line of names that end with their
     units (x_m, time_s, z_mm); of a file with two columns, FILE.csv is enough."""
-    path, wanted = pathlib.Path(text), []
+    path = pathlib.Path(text)
+    wanted: list[str] = []
     while not path.is_file() and ":" in path.name and len(wanted) < 2:
         place, _, column = str(path).rpartition(":")
         path, wanted = pathlib.Path(place), [column, *wanted]
@@ -132,7 +137,7 @@ def of_file(text):
     return Curve(path.stem, x[order], units[0][1], y[order], units[1][1])
 
 
-def deviation(curve, other):
+def deviation(curve: Curve, other: Curve) -> tuple[float, float, int] | None:
     """(root mean square, largest) difference of a curve from another one at the points of the
     latter, and the number of these points; None if they have no common range."""
     inside = (other.x >= curve.x[0]) & (other.x <= curve.x[-1])
@@ -143,14 +148,14 @@ def deviation(curve, other):
             int(inside.sum()))
 
 
-def as_csv(curves):
+def as_csv(curves: Curves) -> str:
     rows = ["curve,x,y"]
     rows += [f"{curve.name.replace(',', ';')},{x:.9g},{y:.9g}" for curve in curves
              for x, y in zip(curve.x, curve.y)]
     return "\n".join(rows) + "\n"
 
 
-def table_of(curves, others):
+def table_of(curves: Curves, others: Curves) -> str:
     lines = []
     for curve in (*curves, *others):
         low, high = int(np.argmin(curve.y)), int(np.argmax(curve.y))
@@ -172,12 +177,12 @@ def table_of(curves, others):
     return "\n".join(lines) + "\n"
 
 
-def scale_of(curves):
+def scale_of(curves: Curves) -> tuple[float, str]:
     """(factor, unit) of the axis of values: units that keep the numbers short."""
     return short_unit(max(np.abs(curve.y).max(initial=0) for curve in curves), curves[0].unit)
 
 
-def short_unit(largest, unit):
+def short_unit(largest: float, unit: str) -> tuple[float, str]:
     """(factor, unit) for values up to the largest."""
     for si, limit, factor, name in SHORT:
         if unit == si and (largest < limit if factor > 1 else largest >= limit):
@@ -185,7 +190,7 @@ def short_unit(largest, unit):
     return 1.0, unit
 
 
-def draw(curves, others, quantity):
+def draw(curves: Curves, others: Curves, quantity: str) -> plt.Figure:
     figure, panel = plt.subplots(figsize=(9, 5), layout="constrained")
     factor, unit = scale_of((*curves, *others))
     for number, curve in enumerate(curves):
@@ -200,7 +205,9 @@ def draw(curves, others, quantity):
     return figure
 
 
-def draw_into(results, folder, quantity, place=-1, over=(), shift=0.0):
+def draw_into(results: collections.abc.Sequence[pathlib.Path | str], folder: write.Folder,
+              quantity: str, place: int = -1, over: collections.abc.Sequence[str] = (),
+              shift: float = 0.0) -> None:
     """Picture, table and CSV of a quantity of runs (their folders); `over`: texts for of_file();
     `shift` is added to x of those, m or s."""
     curves = of_runs(results, quantity, place)

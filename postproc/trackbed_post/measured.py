@@ -5,6 +5,7 @@ their faults.
     signal.time, signal.values, signal.unit       # s; SI
     signal.remarks                                # sentences: gaps, clipping, resampling
 """
+import collections.abc
 import dataclasses
 import pathlib
 
@@ -34,16 +35,16 @@ class Signal:
     time: np.ndarray
     values: np.ndarray
     unit: str
-    remarks: tuple
-    doubtful: np.ndarray = None
+    remarks: tuple[str, ...]
+    doubtful: np.ndarray | None = None
 
     @property
-    def rate(self):
+    def rate(self) -> float:
         """Samples per second."""
         return 1 / float(np.mean(np.diff(self.time)))
 
 
-def unit_of(name):
+def unit_of(name: str) -> tuple[float, str]:
     """(factor to SI, SI unit) by the longest ending of the name that is known."""
     for ending in sorted(UNITS, key=len, reverse=True):
         if name.endswith(ending):
@@ -52,7 +53,7 @@ def unit_of(name):
                           f"{', '.join(UNITS)}")
 
 
-def _chosen(columns, wanted, path):
+def _chosen(columns: collections.abc.Sequence[str], wanted: str, path: pathlib.Path) -> str:
     if wanted and wanted not in columns:
         raise read.Unreadable(f"{path} has no column {wanted}; it has {', '.join(columns)}")
     if not wanted and len(columns) != 1:
@@ -61,7 +62,7 @@ def _chosen(columns, wanted, path):
     return wanted or columns[0]
 
 
-def _time_of(names, path):
+def _time_of(names: collections.abc.Sequence[str], path: pathlib.Path) -> str:
     found = [name for name in names if name in TIMES]
     if len(found) != 1:
         raise read.Unreadable(f"{path} must have one column time_s or time_ms; it has "
@@ -69,7 +70,7 @@ def _time_of(names, path):
     return found[0]
 
 
-def table_of(path):
+def table_of(path: pathlib.Path) -> tuple[list[str], np.ndarray]:
     """(names, rows) of a CSV file whose first line has the names of its columns; commas between the
     columns, or semicolons, with points or commas in the numbers."""
     try:
@@ -90,15 +91,15 @@ def table_of(path):
     return names, table
 
 
-def _from_csv(path, wanted):
+def _from_csv(path: pathlib.Path, wanted: str) -> tuple[str, np.ndarray, np.ndarray]:
     names, table = table_of(path)
     clock = _time_of(names, path)
     name = _chosen([one for one in names if one != clock], wanted, path)
     return name, table[:, names.index(clock)] * TIMES[clock], table[:, names.index(name)]
 
 
-def vectors_of(path):
-    """Name -> vector, of MATLAB's files up to version 7."""
+def vectors_of(path: pathlib.Path) -> dict[str, np.ndarray]:
+    """Of MATLAB's files up to version 7, by their names."""
     try:
         return {name: np.ravel(item) for name, item in scipy.io.loadmat(path).items()
                 if isinstance(item, np.ndarray) and item.dtype.kind in "fiu"}
@@ -106,7 +107,7 @@ def vectors_of(path):
         raise read.Unreadable(f"{path} cannot be read ({error}); save it with -v7") from None
 
 
-def _from_mat(path, wanted):
+def _from_mat(path: pathlib.Path, wanted: str) -> tuple[str, np.ndarray, np.ndarray]:
     """Vectors of equal length, one of them time_s or time_ms."""
     found = vectors_of(path)
     clock = _time_of(list(found), path)
@@ -115,7 +116,7 @@ def _from_mat(path, wanted):
     return name, found[clock] * TIMES[clock], found[name].astype(float)
 
 
-def _from_wav(path, wanted):
+def _from_wav(path: pathlib.Path, wanted: str) -> tuple[str, np.ndarray, np.ndarray]:
     """The name gives unit and value of the full scale: FILE.wav:50_m_s2 is 50 m/s2."""
     number, _, unit = wanted.partition("_")
     try:
@@ -133,7 +134,7 @@ def _from_wav(path, wanted):
     return f"full_scale_{unit}", np.arange(len(samples)) / rate, scale * samples / full
 
 
-def clipped(values):
+def clipped(values: np.ndarray) -> np.ndarray:
     """Samples in rows of CLIPPED and more at the largest or smallest value."""
     found = np.zeros(len(values), bool)
     levels = np.unique(values)
@@ -149,7 +150,8 @@ def clipped(values):
     return found
 
 
-def _even(time, values):
+def _even(time: np.ndarray, values: np.ndarray
+          ) -> tuple[np.ndarray, np.ndarray, list[str], np.ndarray]:
     """Evenly spaced signal, the remarks on what it was before, and its doubtful samples."""
     remarks = []
     good = np.isfinite(values) & np.isfinite(time)
@@ -181,7 +183,7 @@ def _even(time, values):
     return even, np.interp(even, time, values), remarks, doubtful
 
 
-def acceleration(name):
+def acceleration(name: pathlib.Path | str) -> Signal:
     """The Signal of `load`, which must be an acceleration."""
     signal = load(name)
     if signal.unit != "m/s2":
@@ -189,7 +191,7 @@ def acceleration(name):
     return signal
 
 
-def load(place):
+def load(place: pathlib.Path | str) -> Signal:
     """Reads FILE or FILE:COLUMN. Names state units: time_s, a1_m_s2, force_kN. The mean and the
     linear trend remain: see `detrended`."""
     text = str(place)
@@ -208,7 +210,7 @@ def load(place):
     return Signal(f"{path.name}, {name}", time, values, unit, tuple(remarks), doubtful)
 
 
-def detrended(signal):
+def detrended(signal: Signal) -> Signal:
     """Without mean and linear trend, as the drift of a sensor."""
     return dataclasses.replace(signal, values=scipy.signal.detrend(signal.values),
                                remarks=(*signal.remarks, "the linear trend was removed"))

@@ -1,13 +1,17 @@
 """Filters and spectra. The name of a filter is part of the label of every filtered quantity."""
+import collections.abc
 import dataclasses
+import typing
 
 import numpy as np
 import scipy.signal
 
+Values = typing.TypeVar("Values", float, np.ndarray)
+Pole = tuple[float, float]  # frequency, Hz, and quality
 EVEN_STEP = 1e-6  # relative: smaller differences of time steps are due to rounding
 
 
-def step_of(time):
+def step_of(time: np.ndarray) -> float | None:
     """Length of the even time step, s; None if there are too few samples or they are uneven."""
     steps = np.diff(time)
     if len(steps) < 2 or np.ptp(steps) > EVEN_STEP * np.max(steps) + 4 * np.spacing(time[-1]):
@@ -23,10 +27,10 @@ class LowPass:
     order: int = 4
 
     @property
-    def name(self):
+    def name(self) -> str:
         return f"{self.cut_off:g} Hz Butterworth, zero phase"
 
-    def obstacle(self, time):
+    def obstacle(self, time: np.ndarray) -> str:
         """Why rows at these times cannot be filtered, or empty: the sampling rate must exceed twice
         the cut-off, and there must be enough rows."""
         dt, least = step_of(time), 6 * self.order + 1
@@ -37,29 +41,30 @@ class LowPass:
                     f"{500 / self.cut_off:g} ms apart")
         return "" if len(time) >= least else f"{len(time)} rows, {least} needed"
 
-    def name_for(self, time):
+    def name_for(self, time: np.ndarray) -> str:
         why = self.obstacle(time)
         return f"not filtered: {why}" if why else self.name
 
-    def __call__(self, time, values, at_rest=False):
+    def __call__(self, time: np.ndarray, values: np.ndarray, at_rest: bool = False) -> np.ndarray:
         """Filters along the first axis; returns the values unchanged if it does not apply.
         `at_rest`: they were zero before the first one."""
-        values = np.asarray(values)
-        if self.obstacle(time):
+        values, dt = np.asarray(values), step_of(time)
+        if dt is None or self.obstacle(time):
             return values
-        before = int(np.ceil(10 / (self.cut_off * step_of(time)))) if at_rest else 0
-        sections = scipy.signal.butter(self.order, self.cut_off, fs=1 / step_of(time), output="sos")
+        before = int(np.ceil(10 / (self.cut_off * dt))) if at_rest else 0
+        sections = scipy.signal.butter(self.order, self.cut_off, fs=1 / dt, output="sos")
         # Mirrored at the ends, as the usual point reflection would turn noise there into a step.
         whole = np.concatenate([np.zeros((before, *values.shape[1:])), values])
         return scipy.signal.sosfiltfilt(sections, whole, axis=0, padtype="even")[before:]
 
 
-def _window(count):
+def _window(count: int) -> np.ndarray:
     """Tapers a twentieth of the record at each end."""
     return scipy.signal.windows.tukey(count, 0.1, sym=False)
 
 
-def spectrum(time, values, resolution=0.05):
+def spectrum(time: np.ndarray, values: np.ndarray,
+             resolution: float = 0.05) -> tuple[np.ndarray, np.ndarray]:
     """Amplitude spectrum along the first axis: (frequency Hz, |amplitude| in the values' unit).
 
     The mean is removed, a Tukey window tapers a twentieth of the record at each end, and zeros are
@@ -78,11 +83,12 @@ def spectrum(time, values, resolution=0.05):
     return np.fft.rfftfreq(lines, dt), amplitude * 2 / np.sum(window)
 
 
-def peak_near(frequency, amplitude, target, reach=0.3):
+def peak_near(frequency: np.ndarray, amplitude: np.ndarray, target: float,
+              reach: float = 0.3) -> float | None:
     """Frequency of the *inner* maximum nearest to target within `reach` (relative), among those at
     least half as high as the highest of them; None without any."""
     peaks, _ = scipy.signal.find_peaks(amplitude)
-    near = [k for k in peaks if abs(frequency[k] - target) <= reach * target]
+    near: list[int] = [k for k in peaks if abs(frequency[k] - target) <= reach * target]
     if not near:
         return None
     high = [k for k in near if amplitude[k] >= 0.5 * max(amplitude[near])]
@@ -104,7 +110,7 @@ MEAN_COMFORT_ROWS = 60   # intervals for the mean comfort: five minutes
 REFERENCES = {"m/s2": 1e-6, "m/s": 1e-9, "m": 1e-12, "N": 1e-6}
 
 
-def energies(time, values):
+def energies(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(Hz, mean square of each line) of a signal without its mean, one-sided: their sum is the mean
     square of the signal. The window is that of `spectrum`; its loss of energy is compensated."""
     dt = step_of(time)
@@ -119,7 +125,7 @@ def energies(time, values):
     return np.fft.rfftfreq(len(time), dt), energy
 
 
-def third_octaves(time, values):
+def third_octaves(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(midband frequencies, Hz; root mean square in each band) of the bands that the record
     resolves. A line of the spectrum counts in each band by the fraction of its width there."""
     frequency, energy = energies(time, values)
@@ -133,17 +139,18 @@ def third_octaves(time, values):
     return middle, np.sqrt(np.maximum(inside, 0))
 
 
-def levels(amplitude, unit):
+def levels(amplitude: Values, unit: str) -> Values:
     """Levels, dB, of root mean squares or amplitudes in `unit` (REFERENCES)."""
     return 20 * np.log10(np.maximum(amplitude, 1e-300) / REFERENCES[unit])
 
 
-def _weighting(frequency, transition, step, gain):
-    """Band limits of 0.4 and 100 Hz, transition (f, Q) from acceleration to velocity, step up
-    ((f, Q) from, (f, Q) to) with this gain below it."""
+def _weighting(frequency: np.ndarray, transition: Pole, step: tuple[Pole, Pole],
+               gain: float) -> np.ndarray:
+    """Band limits of 0.4 and 100 Hz, transition from acceleration to velocity, step up from one
+    to another with this gain below it."""
     s = 2j * np.pi * np.asarray(frequency, dtype=float)
 
-    def order_two(f, q):
+    def order_two(f: float, q: float) -> np.ndarray:
         w = 2 * np.pi * f
         return 1 + s / (q * w) + (s / w)**2
 
@@ -153,24 +160,26 @@ def _weighting(frequency, transition, step, gain):
     return np.abs(limits * to_velocity * gain * order_two(*step[0]) / order_two(*step[1]))
 
 
-def weighting_wk(frequency):
+def weighting_wk(frequency: np.ndarray) -> np.ndarray:
     """Magnitude of the weighting Wk of ISO 2631-1:1997, table A.1 (vertical acceleration of seated
     and standing persons)."""
     return _weighting(frequency, (12.5, 0.63), ((2.37, 0.91), (3.35, 0.91)), (2.37 / 3.35)**2)
 
 
-def weighting_wb(frequency):
+def weighting_wb(frequency: np.ndarray) -> np.ndarray:
     """Magnitude of the weighting Wb of EN 12299:2009 (vertical acceleration of passengers)."""
     return _weighting(frequency, (16, 0.63), ((2.5, 0.8), (4, 0.8)), 0.4)
 
 
-def weighted_rms(time, acceleration, weighting=weighting_wk):
+def weighted_rms(time: np.ndarray, acceleration: np.ndarray,
+                 weighting: collections.abc.Callable[[np.ndarray], np.ndarray] = weighting_wk
+                 ) -> float:
     """Root mean square of the weighted acceleration, m/s2."""
     frequency, energy = energies(time, acceleration)
     return float(np.sqrt(np.sum(energy * weighting(frequency)**2)))
 
 
-def continuous_comfort(time, acceleration):
+def continuous_comfort(time: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
     """CC_z of EN 12299:2009, m/s2: root mean square, weighted by Wb, of each whole interval of 5 s;
     none of a record with fewer than 200 samples in a second, which does not contain the band of Wb.
     The weighting is applied in the frequency domain without a phase, to the record continued by its
@@ -188,7 +197,7 @@ def continuous_comfort(time, acceleration):
     return np.sqrt([np.mean(squares[begin:end]) for begin, end in zip(ends, ends[1:])])
 
 
-def mean_comfort(comfort):
+def mean_comfort(comfort: np.ndarray) -> np.ndarray:
     """Vertical part of the mean comfort N_MV of EN 12299:2009 of each five minutes of CC_z."""
     blocks = comfort[:len(comfort) // MEAN_COMFORT_ROWS * MEAN_COMFORT_ROWS]
     return 6 * np.percentile(blocks.reshape(-1, MEAN_COMFORT_ROWS), 95, axis=1)
