@@ -3,12 +3,16 @@
 Everything is computed from the envelopes of the passage (relative to its begin) and from the deck
 stored in the result file.
 """
+import collections.abc
 import dataclasses
+import typing
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from trackbed_post import read
 
+Runs = collections.abc.Sequence[read.Results]
 REACHED = 0.9    # the transition ends where this fraction of the change is reached
 CLEAR = 0.10     # a smaller relative difference of two runs is no clear effect
 LASTING = 1e-3   # m, a larger residual displacement of a sleeper means that stones have moved
@@ -32,22 +36,22 @@ class Transition:
     sleeper_residual: float         # m, largest magnitude after the passage
 
     @property
-    def stress_jump(self):
+    def stress_jump(self) -> float:
         """Magnitude of the change of stress from before to behind the edge, Pa."""
         return abs(self.stress_structure - self.stress_beyond)
 
     @property
-    def stress_level(self):
+    def stress_level(self) -> float:
         """Mean stress around the edge, Pa: the reference of a jump."""
         return (self.stress_structure + self.stress_beyond) / 2
 
 
-def spacing(results):
+def spacing(results: read.Results) -> float:
     """Spacing of the sleepers, m."""
     return float(np.median(np.diff(results.sleepers_x))) if len(results.sleepers_x) > 1 else 0.6
 
 
-def sleepers_of_track(track, usual):
+def sleepers_of_track(track: read.Deck, usual: float) -> np.ndarray:
     """x of the sleepers of a track from its begin, m; zones may have a spacing of their own."""
     length = track.get("length", 0)
     own = sorted((zone["from"], zone["to"], zone["spacing"]) for zone in track.get("zone", [])
@@ -64,7 +68,7 @@ def sleepers_of_track(track, usual):
     return np.concatenate([[0.0], *places])
 
 
-def blocks(results):
+def blocks(results: read.Results) -> dict[str, tuple[float, float]]:
     """{name: (smallest x, largest x) at the top} of the ground's blocks that are present."""
     found = {}
     for block in results.deck.get("ground", {}).get("block", []):
@@ -75,7 +79,7 @@ def blocks(results):
     return found
 
 
-def edge_of_structure(results):
+def edge_of_structure(results: read.Results) -> float | None:
     """x of the end of block `structure` that is inside the ground, m; None without one."""
     ends = blocks(results).get("structure")
     if ends is None or not len(results.ground_x):
@@ -85,19 +89,19 @@ def edge_of_structure(results):
     return inside[0] if inside else None
 
 
-def smoothed(x, values, width):
+def smoothed(x: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:
     """Mean of the values within +-width/2 of each x, as stones load single nodes."""
     return np.array([np.mean(values[np.abs(x - place) <= width / 2 + TINY]) for place in x])
 
 
-def direction(results, edge):
+def direction(results: read.Results, edge: float) -> int:
     """+1 or -1: the direction away from the structure. The soft side is the longer one, so that the
     structure may be at either end."""
     distance = results.ground_x - edge
     return -1 if -np.min(distance) > np.max(distance) else 1
 
 
-def wedge_length(results):
+def wedge_length(results: read.Results) -> float:
     """Distance from the edge to the farthest point of any block but the structure, m; includes
     blocks that are not present, so that runs with and without wedge are measured at the same
     place."""
@@ -111,7 +115,7 @@ def wedge_length(results):
     return float(max([0.0] + [np.max(turn * (x - edge)) for x in outlines]))
 
 
-def _orderly(results, edge):
+def _orderly(results: read.Results, edge: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Distance from the edge into the soft ground, m, with displacement and compression."""
     distance = direction(results, edge) * (results.ground_x - edge)
     order = np.argsort(distance)
@@ -120,21 +124,21 @@ def _orderly(results, edge):
     return distance[order], down[order], compression[order]
 
 
-def _width(distance, down, start, end):
+def _width(distance: np.ndarray, down: np.ndarray, start: float, end: float) -> float:
     """Where `down` first reaches REACHED of the change from start to end; nan if never."""
     reached = np.flatnonzero((distance > TINY) & ((down - start) * np.sign(end - start)
                                           >= REACHED * abs(end - start)))
     return float(distance[reached[0]]) if len(reached) and np.isfinite(end) else NOWHERE
 
 
-def _plain(distance, down, begin, reach):
+def _plain(distance: np.ndarray, down: np.ndarray, begin: float, reach: float) -> float:
     """Median of `down` from `begin` on, if that is at least one sleeper spacing long; else nan."""
     if distance[-1] - begin < reach - TINY:
         return NOWHERE
     return float(np.median(down[distance >= begin - TINY]))
 
 
-def _slopes(distance, smooth, reach):
+def _slopes(distance: np.ndarray, smooth: np.ndarray, reach: float) -> tuple[float, float, float]:
     """Steepest slope and its position, then the steepest within one spacing of the edge. The ends,
     where the mean over a spacing is truncated, are omitted."""
     slope = np.abs(np.gradient(smooth, distance))
@@ -145,7 +149,7 @@ def _slopes(distance, smooth, reach):
     return float(slope[where]), float(distance[where]), float(at_edge)
 
 
-def residual_displacement(results):
+def residual_displacement(results: read.Results) -> np.ndarray:
     """Residual downward displacement of each sleeper, m: from first to last row of the passage."""
     if "displacement" not in results.sleeper:
         return np.empty(0)
@@ -153,7 +157,7 @@ def residual_displacement(results):
     return height[0] - height[-1]
 
 
-def why_no_envelope(results):
+def why_no_envelope(results: read.Results) -> str:
     """Why a run has no envelope of the ground in its passage; empty if it has one."""
     if not results.has_passage():
         return f"{results.name} contains no passage: " + (
@@ -163,7 +167,7 @@ def why_no_envelope(results):
         else f"{results.name} has no ground, or no history of it"
 
 
-def why_no_transition(results):
+def why_no_transition(results: read.Results) -> str:
     """Why a run has no transition; empty if it has one."""
     return why_no_envelope(results) or (
         "" if edge_of_structure(results) is not None else
@@ -171,11 +175,11 @@ def why_no_transition(results):
         "one of its ends along x must lie inside the ground")
 
 
-def transition(results, wedge=0.0):
-    """The Transition of a run, or None if there is none (`why_no_transition`). `wedge`: least
-    distance from the edge at which plain track begins, m (that of another run's wedge)."""
+def transition(results: read.Results, wedge: float = 0.0) -> Transition | None:
+    """None without a transition (`why_no_transition`). `wedge`: least distance from the edge at
+    which plain track begins, m (that of another run's wedge)."""
     edge = edge_of_structure(results)
-    if why_no_transition(results):
+    if edge is None or why_no_transition(results):
         return None
     distance, down, compression = _orderly(results, edge)
     reach = spacing(results)
@@ -198,7 +202,7 @@ def transition(results, wedge=0.0):
         sleeper_residual=float(np.max(np.abs(residual))) if len(residual) else NOWHERE)
 
 
-def loading_frequencies(results):
+def loading_frequencies(results: read.Results) -> dict[str, float]:
     """{name: Hz}: speed over distance of bogie centres and over wheelbase, from [load]; empty if
     the passage was that of a train on a rail."""
     passages = [stage for stage in results.deck.get("stage", []) if stage.get("kind") == "passage"]
@@ -230,12 +234,12 @@ ROWS = (  # label, unit, field, factor
 PLACES = ("steepest_x",)  # rows without a meaningful relative change
 
 
-def table(runs):
+def table(runs: Runs) -> str:
     """Text of the results of one or two runs; with two also the change from the second to the
     first, which is the effect of the wedge if only the first has one."""
     wedge = max(wedge_length(run) for run in runs)
-    found = [transition(run, wedge) for run in runs]
-    if any(numbers is None for numbers in found):
+    found = [one for run in runs if (one := transition(run, wedge))]
+    if len(found) < len(runs):
         reasons = "; ".join(filter(None, map(why_no_transition, runs)))
         return f"no transition to measure: {reasons}\n" + "".join(
             line + "\n" for run in runs for line in warnings(run))
@@ -262,11 +266,11 @@ def table(runs):
         if moved_stones:
             lines.append("warning: differences in the comparison below may have other causes than "
                          "the wedge: see the warnings above")
-        lines += effect(*found, differ_by_wedge(*runs))
+        lines += effect(found[0], found[1], differ_by_wedge(*runs))
     return "\n".join(lines) + "\n"
 
 
-def ground_lowered(results):
+def ground_lowered(results: read.Results) -> np.ndarray:
     """Downward displacement of the ground's top below each sleeper since the passage began, m,
     [time, sleeper]; one row of zeros on a rigid floor."""
     if "displacement" not in results.ground or not len(results.ground_x):
@@ -276,12 +280,12 @@ def ground_lowered(results):
                      for row in height[0] - height])
 
 
-def residual_ground(results):
+def residual_ground(results: read.Results) -> np.ndarray:
     """Residual downward displacement of the ground's top below each sleeper, m."""
     return ground_lowered(results)[-1]
 
 
-def warnings(results):
+def warnings(results: read.Results) -> list[str]:
     """A message on residual displacement of the ground after the passage, and one per sleeper with
     residual displacement relative to the ground."""
     kept = residual_displacement(results)
@@ -304,13 +308,13 @@ def warnings(results):
         for x, left in zip(results.sleepers_x, kept - sunk) if abs(left) > LASTING]
 
 
-def differ_by_wedge(first, second):
+def differ_by_wedge(first: read.Results, second: read.Results) -> bool:
     """Whether the first run has blocks of the ground that the second is without, and no other
     difference of blocks."""
     return set(blocks(first)) > set(blocks(second))
 
 
-def _verdict(change, wanted, by_wedge):
+def _verdict(change: float, wanted: int, by_wedge: bool) -> str:
     """`change`: relative; `wanted`: its sign under a wedge, in the first run only."""
     if abs(change) <= CLEAR:
         return f"no clear effect (within {CLEAR:.0%})"
@@ -320,12 +324,12 @@ def _verdict(change, wanted, by_wedge):
     return f"{'as' if change * wanted > 0 else 'NOT as'} expected of a wedge"
 
 
-def _change(a, b):
+def _change(a: float, b: float) -> float:
     """Change relative to the second value; nan if either is missing or the second is zero."""
     return a / b - 1 if b and np.isfinite(a) and np.isfinite(b) else NOWHERE
 
 
-def effect(first, second, by_wedge):
+def effect(first: Transition, second: Transition, by_wedge: bool) -> list[str]:
     """Messages on the differences between two runs; `by_wedge`: only the first has a wedge."""
     lines = []
     far = _change(first.far_displacement, second.far_displacement)
@@ -360,10 +364,10 @@ REGION_ROWS = (("void ratio", "-"), ("bulk density", "kg/m3"), ("coordination nu
                ("compression zz", "kPa"), ("fabric zz", "-"))
 
 
-def region_numbers(region, row, plane=False):
+def region_numbers(region: read.Quantities, row: int, plane: bool = False) -> list[float]:
     """REGION_ROWS of one region at one row of the histories; mean over its cells, weighted by the
     number of stones or contacts of each."""
-    def weighted(quantity, weight):
+    def weighted(quantity: str, weight: str) -> typing.Any:
         values, counts = region[quantity].values[row], region[weight].values[row]
         total = counts.sum()
         return (counts @ values) / total if total else 0 * values[0]
@@ -376,7 +380,7 @@ def region_numbers(region, row, plane=False):
             *stress[:3], weighted("fabric", "contacts")[2]]
 
 
-def region_table(run):
+def region_table(run: read.Results) -> str:
     """Text: quantities in the deck's regions at the end of each stage; empty without regions."""
     if not run.regions:
         return ""
@@ -394,7 +398,7 @@ def region_table(run):
     return "\n".join(lines) + "\n"
 
 
-def invariants(stress, plane=False):
+def invariants(stress: ArrayLike, plane: bool = False) -> tuple[np.ndarray, np.ndarray]:
     """Mean and deviatoric stress, Pa, of rows xx yy zz xy xz yz with tension positive. In space
     p = (s1 + s2 + s3)/3 and q = sqrt(3 J2), compression positive; in a plane, where sigma_yy is not
     computed, s = (s1 + s3)/2 and t = (s1 - s3)/2."""
@@ -406,7 +410,7 @@ def invariants(stress, plane=False):
     return mean, np.sqrt(3 * second)
 
 
-def principal_direction(stress):
+def principal_direction(stress: ArrayLike) -> np.ndarray:
     """Angle, rad, between the vertical and the direction of largest compression in the plane of x
     and z; positive: its upper end leans towards +x. Rows as of `invariants`."""
     compression = -np.asarray(stress)
@@ -414,7 +418,7 @@ def principal_direction(stress):
     return np.arctan2(2 * xz, zz - xx) / 2
 
 
-def chosen_sleepers(run):
+def chosen_sleepers(run: read.Results) -> list[int]:
     """Three sleepers to show: first, nearest to the structure's edge (or the middle one), last."""
     edge = edge_of_structure(run)
     x = run.sleepers_x
@@ -422,13 +426,14 @@ def chosen_sleepers(run):
     return sorted({0, middle, len(x) - 1})
 
 
-def passing(sieved, openings):
+def passing(sieved: np.ndarray, openings: ArrayLike) -> np.ndarray:
     """Percentage of the mass of stones (rows of opening and mass) passing each opening, m."""
     below = sieved[:, 0, None] <= np.asarray(openings) * (1 + TINY)
     return 100 * sieved[:, 1] @ below / sieved[:, 1].sum()
 
 
-def force_distribution(force, bins=24, largest=8):
+def force_distribution(force: np.ndarray, bins: int = 24,
+                       largest: float = 8) -> tuple[np.ndarray, np.ndarray]:
     """Centres of bins of force over mean force up to `largest`, and the probability density."""
     relative = force / force.mean()
     density, edges = np.histogram(relative, bins=bins, range=(0, largest))
@@ -439,7 +444,7 @@ def force_distribution(force, bins=24, largest=8):
 FINEST = 2.36e-3  # m, smallest sieve of the ballast breakage index
 
 
-def breakage_index(openings, before, after):
+def breakage_index(openings: ArrayLike, before: ArrayLike, after: ArrayLike) -> float:
     """Ballast breakage index of two sieve curves (openings in m, passing in %): the area between
     them, divided by that between the first one and the straight line from 2.36 mm, 0 % to d95,
     95 %. Both reach from 2.36 mm to d95, the opening that 95 % of the first curve pass, on a linear
@@ -453,7 +458,7 @@ def breakage_index(openings, before, after):
     return np.trapz(second - first, at) / np.trapz(line - first, at)
 
 
-def sieved_with_fines(run, stage):
+def sieved_with_fines(run: read.Results, stage: str) -> np.ndarray:
     """Rows of opening (m) and mass (kg) of stones and fragments at the end of a stage, and of the
     fines, whose opening is their diameter, that of dust the finest sieve."""
     breaks = run.breaks.get(stage)
@@ -466,13 +471,14 @@ def sieved_with_fines(run, stage):
     return np.concatenate([rows, np.column_stack([sizes, fines[:, read.BREAK["mass"]]])])
 
 
-def parts_broken(run, stage):
+def parts_broken(run: read.Results, stage: str) -> np.ndarray:
     """Rows of BREAK without dust, which wear takes off a little at a time."""
     rows = run.breaks[stage]
     return rows[rows[:, read.BREAK["kind"]] != read.DUST]
 
 
-def breaks_by_sleeper(run, stage):
+def breaks_by_sleeper(run: read.Results,
+                      stage: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of each sleeper: parts that broke off within half a sleeper spacing, those below it
     (between its sides), and those below it that are nearer to an edge than to its middle. Fragments
     and fines of an event are counted separately."""
@@ -485,7 +491,7 @@ def breaks_by_sleeper(run, stage):
     return near.sum(axis=0), below.sum(axis=0), (below & (off > sleepers["width"] / 4)).sum(axis=0)
 
 
-def stages_of_breakage(run):
+def stages_of_breakage(run: read.Results) -> tuple[str, str] | None:
     """The last stage before the first part breaks off, and the last stage; None without any."""
     names = list(run.breaks)
     broken = [name for name in names if len(parts_broken(run, name))]
@@ -501,14 +507,14 @@ class EnergySplit:
     time: np.ndarray
     supplied: np.ndarray
     stored: np.ndarray
-    dissipated: dict
+    dissipated: dict[str, np.ndarray]
 
     @property
-    def missing(self):
+    def missing(self) -> np.ndarray:
         return self.supplied - self.stored - sum(self.dissipated.values())
 
 
-def has_balance(run):
+def has_balance(run: read.Results) -> bool:
     return "friction" in run.energy and "supplied" in run.energy
 
 
@@ -516,12 +522,12 @@ DISSIPATED = {"friction": "friction", "contact_damping": "dashpots",
               "local_damping": "local damping", "breakage": "breakage"}  # history: cause
 
 
-def energy_split(run):
+def energy_split(run: read.Results) -> EnergySplit:
     rows = run.stage == run.stage[-1]
 
-    def since(name):
+    def since(name: str) -> np.ndarray:
         values = run.energy[name].values[rows].ravel()
         return values - values[0]
     dissipated = {name: since(name) for name in DISSIPATED}
-    stored = sum(since(name) for name in ("kinetic", "potential", "elastic"))
+    stored = since("kinetic") + since("potential") + since("elastic")
     return EnergySplit(run.time[rows] - run.time[rows][0], since("supplied"), stored, dissipated)

@@ -1,9 +1,10 @@
 """Support of sleepers in a passage: stiffness of the bed alone and with the ground, gaps."""
+import collections.abc
 import dataclasses
 
 import numpy as np
 
-from trackbed_post import measures
+from trackbed_post import measures, read
 
 SECANT = 0.2  # of the increase of the reaction, where the secant of the support begins
 HANGS = 1e-4  # m, a larger gap means that a sleeper hangs
@@ -19,12 +20,12 @@ class Support:
     gap: np.ndarray        # m, where the secant of the bed has the first reaction; at least 0
 
     @property
-    def hanging(self):
+    def hanging(self) -> int:
         """Number of sleepers that hang."""
         return int(np.count_nonzero(self.gap > HANGS))
 
 
-def of(results):
+def of(results: read.Results) -> Support:
     """The load of a sleeper is followed backwards from its largest reaction to SECANT of the
     increase since the first row, which must be before the load of the train."""
     rows = results.passage()
@@ -44,7 +45,7 @@ def of(results):
         last = below[-1]   # the secant begins between this row and the next one
         part = (level - reaction[last, k]) / (reaction[last + 1, k] - reaction[last, k])
 
-        def way(values):
+        def way(values: np.ndarray) -> tuple[float, float]:
             begin = values[last, k] + part * (values[last + 1, k] - values[last, k])
             return begin, values[most, k] - begin
 
@@ -58,14 +59,14 @@ def of(results):
     return found
 
 
-def summary(run):
+def summary(run: read.Results) -> str:
     """A line of text: how many sleepers hang."""
     found = of(run)
     return (f"support of sleepers in the passage, {run.name}: {found.hanging} of "
             f"{len(found.gap)} have a gap above {1e3 * HANGS:g} mm")
 
 
-def table(runs):
+def table(runs: collections.abc.Iterable[read.Results]) -> str:
     """CSV, a row for each sleeper of each run."""
     lines = ["run,x_m,bed_N_m,bed_and_ground_N_m,gap_m"]
     for run in runs:
