@@ -5,14 +5,17 @@ A file (CSV or MAT) has a column x_m and one of heights for one rail, or two, wh
 left and right and end with the unit (z_m, left_mm). The file of `irregularity.file` of a deck is
 one.
 """
+import collections.abc
 import dataclasses
 import pathlib
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import geometry_limits, measured, read, track_figures, track_measures
+from trackbed_post import (geometry_limits, measured, read, track_figures, track_measures,
+                           write)
 
+Bases = collections.abc.Sequence[float]  # of twist, m
 BANDS = {"D1": (3.0, 25.0), "D2": (25.0, 70.0), "D3": (70.0, 150.0)}  # m, EN 13848-1
 WINDOW = 200.0     # m, of sliding standard deviations
 BASES = (3.0,)     # m, of twist
@@ -32,18 +35,18 @@ class Level:
     name: str
     x: np.ndarray
     height: np.ndarray
-    remarks: tuple = ()
+    remarks: tuple[str, ...] = ()
 
     @property
-    def step(self):
+    def step(self) -> float:
         return self.x[1] - self.x[0]
 
     @property
-    def length(self):
+    def length(self) -> float:
         return self.x[-1] - self.x[0]
 
 
-def even(name, x, height):
+def even(name: str, x: np.ndarray, height: np.ndarray) -> Level:
     """A Level of rows in ascending x; uneven ones are interpolated at their median distance."""
     whole = np.isfinite(x) & np.isfinite(height).all(axis=1)
     without = len(x) - np.count_nonzero(whole)
@@ -64,7 +67,7 @@ def even(name, x, height):
                  tuple(remarks))
 
 
-def in_order(rails, path):
+def in_order(rails: list[str], path: pathlib.Path) -> list[str]:
     """Names of two columns, that of the left rail first."""
     if len(rails) == 1:
         return rails
@@ -75,16 +78,17 @@ def in_order(rails, path):
     return sides["left"] + sides["right"]
 
 
-def table_of(path):
+def table_of(path: pathlib.Path) -> tuple[list[str], np.ndarray]:
     """(names, rows) of a CSV or a MAT file, of the latter the vectors as long as x_m."""
     if path.suffix.lower() != ".mat":
         return measured.table_of(path)
     found = measured.vectors_of(path)
     names = [name for name, item in found.items() if len(item) == len(found.get("x_m", ()))]
-    return names, np.stack([found[name] for name in names], axis=1).astype(float) if names else None
+    rows = [found[name] for name in names]
+    return names, np.stack(rows, axis=1).astype(float) if rows else np.empty((0, 0))
 
 
-def of_file(path):
+def of_file(path: pathlib.Path) -> Level:
     names, table = table_of(path)
     rails = [one for one in names if one != "x_m"]
     if "x_m" not in names or len(rails) not in (1, 2):
@@ -99,7 +103,7 @@ def of_file(path):
         [factor * table[:, names.index(one)] for one, (factor, _) in zip(rails, factors)], axis=1))
 
 
-def of_run(folder):
+def of_run(folder: pathlib.Path | str) -> Level:
     """The loaded rails under the first rolling wheel of a track alone, between its run-ins."""
     deck = read.origin(folder)[1]
     run = read.datasets(folder)
@@ -116,12 +120,12 @@ def of_run(folder):
     return even(pathlib.Path(folder).name, there, np.stack(heights, axis=1))
 
 
-def load(path):
+def load(path: pathlib.Path | str) -> Level:
     path = pathlib.Path(path)
     return of_run(path) if path.is_dir() else of_file(path)
 
 
-def irregularities(level):
+def irregularities(level: Level) -> dict[str, str]:
     """Name of a file -> its text, for `irregularity.file` of a deck: x from 0 and height above the
     straight line through both ends, for each rail."""
     x = level.x - level.x[0]
@@ -134,7 +138,7 @@ def irregularities(level):
     return found
 
 
-def why_not(level, band):
+def why_not(level: Level, band: str) -> str:
     """Why a record has not the band, or nothing."""
     shortest, longest = BANDS[band]
     if level.length < longest:
@@ -143,14 +147,14 @@ def why_not(level, band):
         if 2 * level.step > shortest else ""
 
 
-def bands_of(level):
+def bands_of(level: Level) -> dict[str, np.ndarray]:
     """Band -> [place, rail], m."""
     return {name: np.stack([track_measures.band(rail, level.step, limits)
                             for rail in level.height.T], axis=1)
             for name, limits in BANDS.items() if not why_not(level, name)}
 
 
-def inner(level, band):
+def inner(level: Level, band: str) -> slice:
     """Rows of a band that its filter's continuation of the ends does not reach; all of a short
     record."""
     longest = BANDS[band][1]
@@ -158,7 +162,7 @@ def inner(level, band):
     return slice(rows, len(level.x) - rows)
 
 
-def twist(level, base):
+def twist(level: Level, base: float) -> tuple[np.ndarray, np.ndarray]:
     """(middle of the base, m; change of the difference in height of both rails, left minus right,
     over `base` m divided by it, m/m)."""
     across = level.height[:, 0] - level.height[:, 1]
@@ -171,7 +175,7 @@ def twist(level, base):
     return x + base / 2, (ahead - across[:len(x)]) / base
 
 
-def worst_window(x, values, window):
+def worst_window(x: np.ndarray, values: np.ndarray, window: float) -> tuple[float, float, float]:
     """(largest standard deviation within `window` m, middle of this window, its length, m); of a
     shorter record that of the whole."""
     step = x[1] - x[0]
@@ -184,7 +188,8 @@ def worst_window(x, values, window):
     return spread[worst], (x[worst] + x[worst + count - 1]) / 2, (count - 1) * step
 
 
-def numbers(level, bases=BASES, window=WINDOW):
+def numbers(level: Level, bases: Bases = BASES,
+            window: float = WINDOW) -> dict[str, tuple[float, str]]:
     """Name -> (value, unit)."""
     found = {"length": (level.length, "m")}
     rails = rails_of(level)
@@ -205,7 +210,7 @@ def numbers(level, bases=BASES, window=WINDOW):
     return found
 
 
-def classes(level, speed, window=WINDOW):
+def classes(level: Level, speed: float, window: float = WINDOW) -> dict[str, str]:
     """Rail -> its class of EN 13848-6, A to E, by the largest standard deviation in D1 within
     `window` m; none at speeds, km/h, for which the limits are not known."""
     name = "D1"
@@ -218,7 +223,7 @@ def classes(level, speed, window=WINDOW):
             for rail, spread in zip(rails_of(level), spreads)}
 
 
-def beyond_limits(level, speed, bases=BASES):
+def beyond_limits(level: Level, speed: float, bases: Bases = BASES) -> list[str]:
     """Lines of the table: limits of single deviations at a speed, km/h, and the sections beyond."""
     lines = []
     for name, limit in geometry_limits.at(geometry_limits.LEVEL, speed).items():
@@ -227,18 +232,18 @@ def beyond_limits(level, speed, bases=BASES):
             found = geometry_limits.sections(level.x[rows], 1e3 * one, limit)
             lines += geometry_limits.words(f"{name}, {rail}", limit, "mm", found)
     for base in bases if level.height.shape[1] == 2 else ():
-        if (limit := geometry_limits.twist_limit(base, speed)) is not None:
+        if (most := geometry_limits.twist_limit(base, speed)) is not None:
             x, slope = twist(level, base)
-            lines += geometry_limits.words(f"twist over {base:g} m", limit, "mm/m",
-                                           geometry_limits.sections(x, 1e3 * slope, limit))
+            lines += geometry_limits.words(f"twist over {base:g} m", most, "mm/m",
+                                           geometry_limits.sections(x, 1e3 * slope, most))
     return lines
 
 
-def rails_of(level):
+def rails_of(level: Level) -> tuple[str, ...]:
     return ("left rail", "right rail") if level.height.shape[1] == 2 else ("rail",)
 
 
-def draw(levels, bases=BASES):
+def draw(levels: collections.abc.Sequence[Level], bases: Bases = BASES) -> plt.Figure:
     shown = [name for name in BANDS if any(name in bands_of(one) for one in levels)]
     both = any(one.height.shape[1] == 2 for one in levels)
     if not shown and not both:
@@ -270,10 +275,11 @@ def draw(levels, bases=BASES):
     return figure
 
 
-def draw_into(sources, folder, bases=BASES, window=WINDOW, speed=None, deck=False):
-    """Picture geometry and table geometry.txt of files or runs into a write.Folder; with the
-    classes and limits at a speed, km/h; `deck`: and the files of `irregularities` of the one
-    source."""
+def draw_into(sources: collections.abc.Sequence[pathlib.Path | str], folder: write.Folder,
+              bases: Bases = BASES, window: float = WINDOW, speed: float | None = None,
+              deck: bool = False) -> None:
+    """Picture geometry and table geometry.txt of files or runs; with the classes and limits at a
+    speed, km/h; `deck`: and the files of `irregularities` of the one source."""
     if speed is not None:
         geometry_limits.at(geometry_limits.LEVEL, speed)
     if len(sources) > len(STYLES):
