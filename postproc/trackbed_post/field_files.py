@@ -4,13 +4,17 @@ A stone has several cells in a file, its balls or faces, and is one point here: 
 points, weighted by the square of `radius`. This point moves with the stone, but it is not exactly
 the centre of mass, which the file does not have. Nodes that several ranks wrote are one point.
 """
+import collections.abc
 import dataclasses
 import pathlib
+import typing
 
 import numpy as np
 
 from trackbed_post import read
 
+Arrays = dict[str, typing.Any]  # as of `arrays_of`
+Files = list[tuple[float, pathlib.Path]]  # with their times, s
 USUAL = ("displacement", "velocity", "force", "acceleration")  # the default is the first there is
 BULK = (10, 12, 24)  # VTK's tetrahedra, hexahedra, quadratic tetrahedra
 SAME = 1e-9          # of the model's length: places that differ by less are one
@@ -27,7 +31,7 @@ class Field:
     values: np.ndarray
     number: np.ndarray
     pieces: np.ndarray
-    corners: tuple = ()
+    corners: tuple[np.ndarray, ...] = ()
     since: float = np.nan  # s, earlier instant, if the values are differences
 
 
@@ -40,19 +44,19 @@ class _Cells:
     size: np.ndarray
     kind: np.ndarray
 
-    def mean(self, values):
+    def mean(self, values: np.ndarray) -> np.ndarray:
         """Of each cell: mean of values at its nodes."""
         return np.add.reduceat(values[self.nodes], self.first) / self.size.reshape(
             -1, *[1] * (values.ndim - 1))
 
-    def corners(self):
+    def corners(self) -> tuple[np.ndarray, ...]:
         bulk = np.isin(self.kind, BULK)
         return tuple(self.points[self.nodes[self.first[bulk & (self.size == size), None]
                                             + np.arange(size)]]
                      for size in np.unique(self.size[bulk]))
 
 
-def _cells(found):
+def _cells(found: read.Quantities) -> _Cells:
     """Each rank wrote a piece, whose cells number the points of the piece."""
     points, cells, ids = (found[f"NumberOf{what}"].values
                           for what in ("Points", "Cells", "ConnectivityIds"))
@@ -63,7 +67,7 @@ def _cells(found):
                   found["Types"].values)
 
 
-def arrays_of(path):
+def arrays_of(path: pathlib.Path | str) -> Arrays:
     """{name: read.Quantity} of a field file; with VTKHDF's own arrays below the key ""."""
     own = {name.removeprefix("VTKHDF/"): item for name, item in read.datasets(path).items()}
     if "Connectivity" not in own:
@@ -72,14 +76,15 @@ def arrays_of(path):
     return {"": own, **arrays}
 
 
-def _merged(place, values):
+def _merged(place: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Without points at the place of another one, in an order that does not depend on ranks."""
     step = SAME * max(np.ptp(place, axis=0).max(initial=0), 1e-6)
     kept = np.unique(np.round(place / step), axis=0, return_index=True)[1]
     return place[kept], values[kept]
 
 
-def _of_stones(cells, found, values):
+def _of_stones(cells: _Cells, found: read.Quantities, values: np.ndarray
+               ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(number, cells, middle, value) of each stone."""
     number, one, which, pieces = np.unique(found["CellData/stone"].values, return_index=True,
                                            return_inverse=True, return_counts=True)
@@ -92,7 +97,7 @@ def _of_stones(cells, found, values):
     return number, pieces, middle, values[one]
 
 
-def field_of(path, time, arrays, name):
+def field_of(path: pathlib.Path | str, time: float, arrays: Arrays, name: str) -> Field:
     """The Field of an array; "" for the positions of the points as values."""
     found, part = arrays[""], pathlib.Path(path).stem.rpartition("_")[2]
     cells = _cells(found)
@@ -112,8 +117,8 @@ def field_of(path, time, arrays, name):
     return Field(part, time, unit, middle, values if name else middle, number, pieces)
 
 
-def change(now, before):
-    """The Field of the differences; of stones those that have the same cells at both instants."""
+def change(now: Field, before: Field) -> Field:
+    """The differences; of stones those that have the same cells at both instants."""
     if len(now.number):
         _, new, old = np.intersect1d(now.number, before.number, return_indices=True)
         same = now.pieces[new] == before.pieces[old]
@@ -127,8 +132,8 @@ def change(now, before):
     return dataclasses.replace(now, values=now.values - before.values, since=before.time)
 
 
-def files_of(path, parts):
-    """{part: [(time, file)]} of a result folder, or of one field file."""
+def files_of(path: pathlib.Path | str, parts: collections.abc.Sequence[str]) -> dict[str, Files]:
+    """The files of each part in a result folder, or one field file."""
     path = pathlib.Path(path)
     if path.suffix == ".vtkhdf":
         part = path.stem.rpartition("_")[2]
@@ -149,12 +154,15 @@ def files_of(path, parts):
     return {part: files for part, files in found.items() if files}
 
 
-def nearest(files, time):
-    """(time, file) nearest to a time; the last one without it."""
-    return files[-1] if time is None else min(files, key=lambda one: abs(one[0] - time))
+def nearest(files: Files, time: float | None) -> tuple[float, pathlib.Path]:
+    """The file nearest to a time; the last one without it."""
+    if time is None:
+        return files[-1]
+    far = [abs(one[0] - time) for one in files]
+    return files[far.index(min(far))]
 
 
-def _refuse_unknown(name, opened):
+def _refuse_unknown(name: str, opened: dict[str, tuple[typing.Any, Arrays]]) -> typing.NoReturn:
     known = sorted({one for _, arrays in opened.values() for one in arrays if one})
     why = "; displacement of stones needs --relative-to TIME" if name == "displacement" and \
         "stones" in opened else ""
@@ -162,16 +170,18 @@ def _refuse_unknown(name, opened):
                           f"{', '.join(known)}{why}")
 
 
-def fields_at(path, parts, name=None, time=None, since=None):
+def fields_at(path: pathlib.Path | str, parts: collections.abc.Sequence[str],
+              name: str | None = None, time: float | None = None,
+              since: float | None = None) -> tuple[str, list[Field]]:
     """(name of the array, [Field of each part that has it]) at an instant; `since`: its change
     from this earlier instant, of stones also that of their positions as `displacement`."""
-    opened = {part: nearest(files, time) for part, files in files_of(path, parts).items()}
-    opened = {part: (instant, arrays_of(instant[1])) for part, instant in opened.items()}
-    moved = "displacement" if since is not None else None  # of stones
+    chosen = {part: nearest(files, time) for part, files in files_of(path, parts).items()}
+    opened = {part: (instant, arrays_of(instant[1])) for part, instant in chosen.items()}
+    moved = "displacement" if since is not None else ""  # of stones
     has = {part: {*arrays, *({moved} if moved and "stone" in arrays else ())} - {""}
            for part, (_, arrays) in opened.items()}
-    name = name or next((one for one in USUAL if any(one in has[part] for part in has)),
-                        next((one for part in has for one in sorted(has[part])), None))
+    there = [one for part in has for one in sorted(has[part])]
+    name = name or [*(one for one in USUAL if one in there), *there, ""][0]
     fields = []
     for part, ((when, file), arrays) in opened.items():
         if name not in has[part]:
@@ -188,7 +198,7 @@ def fields_at(path, parts, name=None, time=None, since=None):
     return name, fields
 
 
-def _earlier(file, part, since, now, name):
+def _earlier(file: pathlib.Path, part: str, since: float, now: float, name: str) -> Field:
     files = read.series(file.parent.parent, part)
     if not files:
         raise read.Unreadable(f"{file}: --relative-to needs the series {part}.vtkhdf.series beside "

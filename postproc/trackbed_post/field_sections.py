@@ -32,15 +32,15 @@ LONG = 3.0        # of the median side: triangles with a longer one are beyond t
 class Choices:
     """What is drawn; lengths in m, times in s. `depth`: half the thickness of the slice; None: one
     layer of points."""
-    array: str = None
-    component: str = None
-    parts: tuple = PARTS
+    array: str | None = None
+    component: str | None = None
+    parts: tuple[str, ...] = PARTS
     plane: str = "xz"
     at: float = 0.0
-    depth: float = None
-    window: tuple = None
-    time: float = None
-    since: float = None
+    depth: float | None = None
+    window: tuple[float, ...] | None = None
+    time: float | None = None
+    since: float | None = None
 
     def axes(self):
         """Numbers of the axes in the plane, and of the one across it."""
