@@ -1,16 +1,17 @@
 """Which figures a run has: that follows from its deck."""
+import collections.abc
 import dataclasses
 import functools
 import pathlib
-import typing
 
 from trackbed_post import (bed_on_ground, laboratory, read, track_figures, train_figures,
                            transition, write)
 
 # Runs side by side. The bed below a train: without what shows the end of a stage, when it has left.
-TOGETHER = {"transition": transition.draw_into, "bed": bed_on_ground.draw_into,
-            "bed_below_train": functools.partial(bed_on_ground.draw_into, ends=False),
-            "laboratory": laboratory.draw_into}
+TOGETHER: dict[str, collections.abc.Callable[..., None]] = {
+    "transition": transition.draw_into, "bed": bed_on_ground.draw_into,
+    "bed_below_train": functools.partial(bed_on_ground.draw_into, ends=False),
+    "laboratory": laboratory.draw_into}
 ALONE = {"train": train_figures.draw_into, "track": track_figures.draw_into}  # one run only
 BESIDE = {"track": track_figures.compare_into}  # several runs of a kind in ALONE
 KINDS = (*TOGETHER, *ALONE)
@@ -18,11 +19,11 @@ PAIRS = {"transition", "bed", "bed_below_train"}  # of at most two runs
 LABORATORY = {"shear", "triaxial", "lift_walls"}  # kinds of stages, besides several to compact
 
 
-def has_no_stones(deck):
+def has_no_stones(deck: read.Deck) -> bool:
     return deck.get("model") in ("track", "track_on_ground")
 
 
-def of_deck(deck):
+def of_deck(deck: read.Deck) -> list[str]:
     """Kinds of figures of a run."""
     stages = deck.get("stage", [])
     if has_no_stones(deck):
@@ -36,22 +37,23 @@ def of_deck(deck):
     return ["bed"]
 
 
-def require_comparable(decks):
+def require_comparable(decks: collections.abc.Iterable[read.Deck]) -> None:
     if len({has_no_stones(deck) for deck in decks}) > 1:
         raise read.Unreadable("a track without stones and a bed of stones cannot be compared")
 
 
 @dataclasses.dataclass(frozen=True)
 class Part:
-    """Figures of one kind of one run or several; `draw` takes the write.Folder for them."""
+    """Figures of one kind of one run or several."""
     kind: str
-    results: list
-    draw: typing.Callable
+    results: list[pathlib.Path]
+    draw: collections.abc.Callable[[write.Folder], None]
     number: int = 0  # of the run, for figures of one run only
 
 
-def parts_of(results, kinds):
-    """The Parts of runs: kinds that cannot be drawn in one picture once for each run."""
+def parts_of(results: collections.abc.Sequence[pathlib.Path],
+             kinds: collections.abc.Iterable[str]) -> collections.abc.Iterator[Part]:
+    """Parts of runs: kinds that cannot be drawn in one picture once for each run."""
     for kind in kinds:
         if kind in BESIDE and len(results) > 1:
             yield Part(kind, list(results), functools.partial(BESIDE[kind], list(results)))
@@ -62,21 +64,24 @@ def parts_of(results, kinds):
                     for number, group in groups)
 
 
-def draw_figures(results, path, kind="", formats=("png",)):
-    """Draws all figures of runs (given by their folders), or those of one kind, into a folder; the
-    write.Folder objects that were written. Runs that cannot be compared in one picture have a
-    folder each, with number and name, below it."""
-    results = [read.folder_of(one) for one in results]
-    decks = [read.origin(one)[1] for one in results]
+def draw_figures(results: collections.abc.Sequence[pathlib.Path | str], path: pathlib.Path | str,
+                 kind: str = "", formats: collections.abc.Sequence[str] = ("png",)
+                 ) -> list[write.Folder]:
+    """Draws all figures of runs (given by their folders), or those of one kind, into a folder;
+    the folders that were written. Runs that cannot be compared in one picture have a folder each,
+    with number and name, below it."""
+    runs = [read.folder_of(one) for one in results]
+    decks = [read.origin(one)[1] for one in runs]
     require_comparable(decks)
     kinds = [kind] if kind else of_deck(decks[0])
-    if len(results) > 2 and set(kinds) & PAIRS:
+    if len(runs) > 2 and set(kinds) & PAIRS:
         raise read.Unreadable("give at most two result folders; only laboratory tests and tracks "
                               "without a bed are drawn from more")
-    folders, problem = [], None
-    for part in parts_of(results, kinds):
+    folders: list[write.Folder] = []
+    problem = None
+    for part in parts_of(runs, kinds):
         below = pathlib.Path(path)
-        if len(results) > len(part.results):
+        if len(runs) > len(part.results):
             below = below / f"{part.number + 1}_{part.results[0].resolve().name}"
         folder = write.Folder(below, write.origin_of(part.results), formats)
         try:

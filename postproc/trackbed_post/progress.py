@@ -1,13 +1,19 @@
 """How far a run is, and the course of its quantities, from the events of its progress.jsonl
 (docs/running.md).
 """
+import collections.abc
 import fcntl
 import json
 import os
+import pathlib
 import time
+import typing
 
 import matplotlib.pyplot as plt
 
+from trackbed_post import write
+
+Event = dict[str, typing.Any]
 # Keys of events of progress and their labels. Those that a run does not have are left out.
 QUANTITIES = {"time_s": "simulated time, s", "speed": "simulated s per s",
               "kinetic_j": "kinetic energy, J", "largest_overlap_m": "largest overlap, m",
@@ -20,7 +26,7 @@ SPAN = 30  # largest over smallest value from which on an axis is logarithmic
 UNITS = (("h", 3600, 2), ("min", 60, 2), ("s", 1, 0))  # of the wall time, from this many on
 
 
-def events_of(folder):
+def events_of(folder: pathlib.Path) -> list[Event]:
     """The lines of the file, oldest first; a line that is only partly written is left out."""
     path = folder / FILE
     if not path.is_file():
@@ -36,7 +42,7 @@ def events_of(folder):
     return found
 
 
-def computes(folder):
+def computes(folder: pathlib.Path) -> bool:
     """A run that computes holds the lock of its folder. The test takes it for a moment."""
     try:
         lock = os.open(folder / ".lock", os.O_RDONLY | os.O_CLOEXEC)
@@ -51,16 +57,16 @@ def computes(folder):
         os.close(lock)
 
 
-def _clock(seconds):
+def _clock(seconds: float) -> str:
     minutes, rest = divmod(round(max(seconds, 0)), 60)
     return f"{minutes // 60}:{minutes % 60:02}:{rest:02}"
 
 
-def _last(events, kind):
+def _last(events: collections.abc.Sequence[Event], kind: str) -> Event:
     return next((one for one in reversed(events) if one.get("event") == kind), {})
 
 
-def facts_of(folder):
+def facts_of(folder: pathlib.Path) -> dict[str, str]:
     """Names and texts of the present state; empty without events."""
     events = events_of(folder)
     if not events:
@@ -91,7 +97,7 @@ def facts_of(folder):
     return found
 
 
-def draw_into(path, made):
+def draw_into(path: pathlib.Path, made: write.Folder) -> None:
     """Simulated time and the quantities of the events over the time since the run began; the begin
     of each stage is a line, that of each command a thick one."""
     events = events_of(path)

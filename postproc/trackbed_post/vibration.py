@@ -2,34 +2,35 @@
 
 Of a run in stages the last passage is used. What is computed: docs/postproc.md.
 """
+import collections.abc
 import dataclasses
 import pathlib
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measured, read, signals, track_figures
+from trackbed_post import measured, read, signals, track_figures, write
 
 LEAST_ROWS = 32
 STYLES = ({"color": "C0", "ls": "-"}, {"color": "C1", "ls": "--"})
 
 
-def rows_of_passage(every, folder):
+def rows_of_passage(every: read.Quantities, folder: pathlib.Path | str) -> slice:
     """Rows of the histories that belong to the last passage; all rows of a track alone."""
     if "history/stage" not in every:
         return slice(None)
     return read.results(folder).passage()
 
 
-def between_run_ins(x, folder):
+def between_run_ins(x: np.ndarray, folder: pathlib.Path | str) -> np.ndarray:
     """Whether each wheel is where the track has its given properties, [time, wheel]."""
     deck = read.origin(folder)[1]
     run_in = track_figures.run_in_of(deck)
     return (x >= run_in) & (x <= deck["track"]["length"] - run_in)
 
 
-def computed(folder, quantity, place):
-    """The history as a Signal; of wheels of a track alone, only between its run-ins."""
+def computed(folder: pathlib.Path | str, quantity: str, place: int) -> measured.Signal:
+    """The history; of wheels of a track alone, only between its run-ins."""
     every = read.datasets(folder)
     quantity = quantity.removeprefix("history/")
     name = f"history/{quantity}"
@@ -67,7 +68,7 @@ def computed(folder, quantity, place):
                            values[:, place], unit, ())
 
 
-def numbers(signal):
+def numbers(signal: measured.Signal) -> dict[str, tuple[float, str]]:
     """Name -> (value, unit)."""
     middle, bands = signals.third_octaves(signal.time, signal.values)
     moving = signal.values - signal.values.mean()
@@ -98,7 +99,8 @@ def numbers(signal):
     return found
 
 
-def draw(shown, low_pass):
+def draw(shown: collections.abc.Sequence[measured.Signal],
+         low_pass: signals.LowPass) -> plt.Figure:
     """Three panels; the name of the filter is on the axis of what it filters."""
     figure, (history, lines, bands) = plt.subplots(3, 1, figsize=(9, 10), layout="constrained")
     unit = shown[0].unit
@@ -122,7 +124,7 @@ def draw(shown, low_pass):
     return figure
 
 
-def table_of(shown):
+def table_of(shown: collections.abc.Sequence[measured.Signal]) -> str:
     """CSV: midband frequency; root mean square and level of each signal where its record resolves
     the band."""
     of = [dict(zip(*signals.third_octaves(one.time, one.values))) for one in shown]
@@ -136,7 +138,8 @@ def table_of(shown):
     return "\n".join(rows) + "\n"
 
 
-def draw_into(results, folder, quantity, place=-1, other="", cut_off=100.0):
+def draw_into(results: pathlib.Path | str, folder: write.Folder, quantity: str, place: int = -1,
+              other: str = "", cut_off: float = 100.0) -> None:
     """Picture and tables of a history such as sleeper/acceleration of one run (its folder);
     `place`: number of its column, -1 for the one with the largest root mean square; `other`:
     FILE[:COLUMN] of a measured signal (measured.py); `cut_off`, Hz, of the low pass."""

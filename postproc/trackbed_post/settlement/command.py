@@ -20,8 +20,8 @@ class Forecast:
     traffic: traffic.Traffic
     days: float
     axles: float
-    axle_load: float = None
-    power: float = None
+    axle_load: float | None = None
+    power: float | None = None
 
     def cycles_per_day(self):
         return self.traffic.axles_per_day(self.axle_load, self.power) / self.axles
