@@ -5,7 +5,7 @@ set(trackbed_data ${CMAKE_INSTALL_DATADIR}/trackbed)
 install(TARGETS trackbed RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY inputs DESTINATION ${trackbed_data})
 install(DIRECTORY postproc DESTINATION ${trackbed_data} FILES_MATCHING PATTERN "*.py"
-        PATTERN "*.toml" PATTERN __pycache__ EXCLUDE)
+        PATTERN "*.toml" PATTERN py.typed PATTERN __pycache__ EXCLUDE)
 install(PROGRAMS cmake/trackbed_post.sh RENAME trackbed_post DESTINATION ${CMAKE_INSTALL_BINDIR})
 # Where the first line of each deck names it.
 install(FILES docs/input.schema.json DESTINATION ${trackbed_data}/docs)
