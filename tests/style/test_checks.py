@@ -11,6 +11,7 @@ import glossary  # noqa: E402
 import layering  # noqa: E402
 import links  # noqa: E402
 import spelling  # noqa: E402
+import typed  # noqa: E402
 import words  # noqa: E402
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "verify"))
@@ -194,6 +195,13 @@ def test_spelling_finds_a_misspelling(tree_with):
     assert spelling.check(tree_with())[0] == []
     problems, _ = spelling.check(tree_with(src__core__c_Dhpp="// the rec" + "ieved load\n"))
     assert any("src/core/c.hpp:1" in problem for problem in problems), problems
+
+
+def test_typed_finds(tree_with):
+    pytest.importorskip("mypy")
+    root = tree_with(postproc__trackbed_post__a_Dpy='def f() -> int:\n    return ""\n')
+    code, report = typed.check(root)
+    assert code != 0 and "trackbed_post/a.py:2: error" in report
 
 
 @pytest.mark.parametrize("text, expected", [
