@@ -179,19 +179,44 @@ def weighted_rms(time: np.ndarray, acceleration: np.ndarray,
     return float(np.sqrt(np.sum(energy * weighting(frequency)**2)))
 
 
-def continuous_comfort(time: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-    """CC_z of EN 12299:2009, m/s2: root mean square, weighted by Wb, of each whole interval of 5 s;
-    none of a record with fewer than 200 samples in a second, which does not contain the band of Wb.
-    The weighting is applied in the frequency domain without a phase, to the record continued by its
-    mean, so that its end has no effect on its begin."""
+def _even_step(time: np.ndarray) -> float:
     dt = step_of(time)
     if dt is None:
-        raise ValueError("intervals of comfort need evenly spaced samples")
+        raise ValueError("weighted accelerations need evenly spaced samples")
+    return dt
+
+
+def weighted(time: np.ndarray, acceleration: np.ndarray,
+             weighting: collections.abc.Callable = weighting_wk) -> np.ndarray:
+    """The weighted acceleration, m/s2, of evenly spaced samples. The weighting is applied in the
+    frequency domain without a phase, to the record continued by its mean, so that its end has no
+    effect on its begin."""
+    dt = _even_step(time)
+    moving = np.concatenate([acceleration - np.mean(acceleration), np.zeros(len(time))])
+    lines = np.fft.rfft(moving) * weighting(np.fft.rfftfreq(len(moving), dt))
+    return np.fft.irfft(lines, len(moving))[:len(time)]
+
+
+def transient(time: np.ndarray, acceleration: np.ndarray) -> tuple[float, float]:
+    """(maximum transient vibration value, m/s2: largest root mean square in 1 s; vibration dose
+    value, m/s^1.75) of ISO 2631-1:1997, 6.3, of the acceleration weighted by Wk. Of a record
+    shorter than 1 s the first is the root mean square of the whole."""
+    dt = _even_step(time)
+    values = weighted(time, acceleration)
+    count = min(len(values), max(1, round(1 / dt)))
+    sums = np.concatenate([[0.0], np.cumsum(values**2)])
+    running = (sums[count:] - sums[:-count]) / count
+    return float(np.sqrt(running.max())), float((np.sum(values**4) * dt)**0.25)
+
+
+def continuous_comfort(time: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+    """CC_z of EN 12299:2009, m/s2: root mean square, weighted by Wb, of each whole interval of 5 s;
+    none of a record with fewer than 200 samples in a second, which does not contain the band of
+    Wb."""
+    dt = _even_step(time)
     if dt > COMFORT_STEP:
         return np.empty(0)
-    moving = np.concatenate([acceleration - np.mean(acceleration), np.zeros(len(time))])
-    lines = np.fft.rfft(moving) * weighting_wb(np.fft.rfftfreq(len(moving), dt))
-    squares = np.fft.irfft(lines, len(moving))[:len(time)]**2
+    squares = weighted(time, acceleration, weighting_wb)**2
     count = int(len(time) * dt / COMFORT_INTERVAL * (1 + 1e-9))
     ends = np.round(np.arange(count + 1) * COMFORT_INTERVAL / dt).astype(int)
     return np.sqrt([np.mean(squares[begin:end]) for begin, end in zip(ends, ends[1:])])

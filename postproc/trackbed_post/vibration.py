@@ -85,6 +85,9 @@ def numbers(signal: measured.Signal) -> dict[str, tuple[float, str]]:
             signals.weighted_rms(signal.time, signal.values), "m/s2")
         found["root mean square weighted by Wb (EN 12299)"] = (
             signals.weighted_rms(signal.time, signal.values, signals.weighting_wb), "m/s2")
+        largest, dose = signals.transient(signal.time, signal.values)
+        found["largest weighted (Wk) root mean square in 1 s, MTVV"] = (largest, "m/s2")
+        found["vibration dose value (Wk), VDV"] = (dose, "m/s1.75")
         comfort = signals.continuous_comfort(signal.time, signal.values)
         if len(comfort):
             found[f"largest CC_z of {len(comfort)} intervals of 5 s (EN 12299)"] = (
@@ -110,12 +113,14 @@ def draw(shown: collections.abc.Sequence[measured.Signal],
         history.plot(signal.time, low_pass(signal.time, moving.values), lw=0.8, label=signal.name,
                      **style)
         frequency, amplitude = signals.spectrum(signal.time, moving.values)
-        lines.loglog(frequency[1:], amplitude[1:], lw=0.8, label=signal.name, **style)
+        lines.semilogx(frequency[1:], signals.levels(amplitude[1:] / np.sqrt(2), unit), lw=0.8,
+                       label=signal.name, **style)
         middle, band = signals.third_octaves(signal.time, signal.values)
         if len(middle):
             bands.step(middle, signals.levels(band, unit), where="mid", label=signal.name, **style)
     history.set(xlabel="time, s", ylabel=f"difference from the mean, {unit}\n{'; '.join(names)}")
-    lines.set(xlabel="frequency, Hz", ylabel=f"amplitude, {unit}")
+    lines.set(xlabel="frequency, Hz",
+              ylabel=f"root mean square of a line,\ndB re {signals.REFERENCES[unit]:g} {unit}")
     bands.set(xlabel="midband frequency, Hz", xscale="log",
               ylabel=f"third octaves, dB re {signals.REFERENCES[unit]:g} {unit}")
     for panel in (history, lines, bands):

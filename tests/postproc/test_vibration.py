@@ -73,6 +73,22 @@ def test_comfort_of_a_long_record():
     assert not any("CC_z" in name for name in short)
 
 
+def test_transient_vibration_and_dose():
+    time = np.arange(0, 10, 1 / 500)
+    shaking = np.where((time >= 4) & (time < 7), 1.0, 0.1) * np.sin(2 * np.pi * 8 * time)
+    factor = signals.weighting_wk([8.0])[0]
+    largest, dose = signals.transient(time, shaking)
+    # A burst of 3 s: the weighting spreads its ends by about 0.1 s.
+    assert largest == pytest.approx(factor / np.sqrt(2), rel=0.01)
+    # The mean of the fourth power of a sine is 3/8.
+    assert dose == pytest.approx(factor * (3 * 3 / 8)**0.25, rel=0.01)
+    short = signals.transient(time[:250], shaking[:250])[0]
+    assert short == pytest.approx(0.1 * factor / np.sqrt(2), rel=0.05)
+    found = vibration.numbers(measured.Signal("car", time, shaking, "m/s2", ()))
+    assert found["largest weighted (Wk) root mean square in 1 s, MTVV"] == (largest, "m/s2")
+    assert found["vibration dose value (Wk), VDV"] == (dose, "m/s1.75")
+
+
 def write_csv(path, text):
     path.write_text(text, encoding="utf-8")
     return path
