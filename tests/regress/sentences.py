@@ -15,6 +15,7 @@ sys.path.insert(0, str(HERE.parent / "support"))
 from part import part  # noqa: E402
 from program import Program, expect, summary  # noqa: E402
 
+INPUTS = HERE.parents[1] / "inputs"
 PROBLEMS = HERE / "problems.toml"
 # Texts that the message of each problem must contain besides file and line.
 WANTED = {"window = 0.5": ["time.window", "unstable"],
@@ -345,7 +346,14 @@ def check_single_cases(program, deck):
               "sleeper: mass 156 kg, n = 6 contacts with stones, k = 2e+07 N/m each"),
              (["check", deck, "load.axles=[]"], 2,
               'load.axles = []: must be given for the stage "passage" of kind passage'),
-             (["describe", "stage"], 0, "passage"), (["schema"], 0, "2020-12"),
+             (["check", INPUTS / "ground/sections.toml",
+               "ground.block.abutment.outline=[0,0,0.01,0,0.01,-0.01,0,-0.01]"], 2,
+              'sections.toml:103: ground.block[1] ("abutment"): its outline contains the centre'),
+             (["check", INPUTS / "bench/spheres.toml", "bed.x=[0,60]"], 0,
+              "stones: 3600103, not placed here since they are more than 2000000"),
+             (["check", deck, "sleepers.count=1000000000"], 2, "at most 1000000"),
+             (["describe", "stage"], 0, "passage"), (["describe"], 0, "[[stage]]"),
+             (["schema"], 0, "2020-12"),
              (["run", deck, "-o", "/proc/nowhere"], 2, "result folder"),
              (["run", deck, "-o", PROBLEMS], 2, "is not a folder")]
     for arguments, code, words in cases:
@@ -430,7 +438,7 @@ def check_warnings(program, deck, folder):
 def check_beds(program):
     """In space: sleepers beside the bed; and compacted stones with corners, which gain energy with
     steps that are stable for one contact, while balls do not."""
-    beds = HERE.parent.parent / "inputs/bed"
+    beds = INPUTS / "bed"
     ran = program(1, "check", beds / "section.toml", "sleepers.y=9")
     expect(ran.returncode == 2 and "puts the sleepers beside the bed" in ran.stderr,
            "sleepers beside the bed must be refused", ran)

@@ -118,7 +118,7 @@ void IrregularityParameters::declare(input::Section& s) {
            "Depth of dip or waves; negative: a bump.");
   s.number("length", length, {.unit = "m", .above = 0, .usually_to = 200},
            "Length of the dip, or of one wave.");
-  s.integer("waves", waves, {.at_least = 1}, "Number of waves.");
+  s.integer("waves", waves, {.at_least = 1, .at_most = 1e6}, "Number of waves.");
   s.choice("spectrum", spectrum,
            {"erri_low", "erri_high", "fra_1", "fra_2", "fra_3", "fra_4", "fra_5", "fra_6", "china"},
            "Spectrum of the vertical profile after ERRI B176, FRA track classes, or TB/T 3352 "

@@ -27,7 +27,7 @@ void SleeperParameters::declare(input::Section& s) {
   s.choice("model", model, {"rigid", "solid"},
            "Model of the sleepers; rigid: six degrees of freedom each; solid: elements, with rails "
            "or without ([solid]).");
-  s.integer("count", count, {.at_least = 0}, "Number of sleepers.");
+  s.integer("count", count, {.at_least = 0, .at_most = 1e6}, "Number of sleepers.");
   s.number("first", first, {.unit = "m"}, "x of the centre of the first sleeper.");
   s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.2, .usually_to = 2},
            "Sleeper spacing, between centres.");
