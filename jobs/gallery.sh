@@ -34,6 +34,10 @@ still solids "$results/solids" solids --view corner --array displacement
 run_model inputs/ground/strip.toml "$results/strip" --force
 still strip "$results/strip" ground --view corner --array displacement
 
+run_model inputs/ground/embankment.toml "$results/embankment" --force
+draw still "$results/embankment" --parts ground,stones --view corner --array displacement \
+  -o "$pictures/embankment.png"
+
 run_model inputs/track/netirail_plain.toml "$results/plain" --force
 draw figures "$results/plain" -o "$results/plain/figures"
 cp "$results/plain/figures/track.png" "$pictures/track.png"
