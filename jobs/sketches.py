@@ -362,7 +362,7 @@ def vehicle():
         sheet.circle(*at, 0.09, "white", zorder=6)
         sheet.text(*at, str(number), size=SMALL, zorder=7)
     sheet.arrow((6.21, 2.19), (5.98, 2.11), width=0.7)
-    legend = ("1  rail: w and theta at each node (circle); E I, kappa G A, m per length",
+    legend = ("1  rail: w and theta at nodes (circles and others); E I, kappa G A, m per length",
               "2  pad: k, c; bilinear or with uplift if the deck states it",
               "3  sleeper: mass m",
               "4  ballast springs k, c, below hanging sleepers with a gap; on a bed: stones",
