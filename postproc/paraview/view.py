@@ -17,10 +17,10 @@ EYE, UP = (-0.15, -1.0, 0.35), [0.0, 0.0, 1.0]  # from where the model is seen
 # Part -> kind of data, array and its unit; of vectors the magnitude is shown.
 COLOURED_BY = {"stones": ("CELLS", "velocity", "m/s"), "ground": ("POINTS", "displacement", "m"),
                "contacts": ("CELLS", "force_size", "N"), "solids": ("POINTS", "displacement", "m")}
-HIDDEN = ("contacts",)  # inside the stones
+INSIDE = "contacts"  # of the stones: hidden if there are stones
 
 
-def color(display, part, view):
+def color(display, part, view, hidden):
     """Colours a display by the array of its part, with a bar."""
     place, array, unit = COLOURED_BY[part]
     simple.ColorBy(display, (place, array) if part == "contacts" else (place, array, "Magnitude"))
@@ -30,7 +30,7 @@ def color(display, part, view):
     bar = simple.GetScalarBar(table, view)
     bar.Title, bar.ComponentTitle = f"{part}: {array} ({unit})", ""
     bar.TitleColor = bar.LabelColor = BLACK
-    display.SetScalarBarVisibility(view, part not in HIDDEN)
+    display.SetScalarBarVisibility(view, not hidden)
 
 
 def balls_of(stones, view):
@@ -51,7 +51,7 @@ def balls_of(stones, view):
     simple.Hide(points, view)
 
 
-def show(part, path, view):
+def show(part, path, view, hidden):
     """Opens the series of one part."""
     source = simple.VTKHDFReader(registrationName=part, FileName=[str(path)])
     source.UpdatePipeline()
@@ -60,7 +60,7 @@ def show(part, path, view):
     if part == "stones":
         balls_of(source, view)
     if part in COLOURED_BY:
-        color(display, part, view)
+        color(display, part, view, hidden)
     else:
         display.ColorArrayName = ["POINTS", ""]  # one colour
         display.DiffuseColor = STEEL if part == "train" else GREY
@@ -68,7 +68,7 @@ def show(part, path, view):
         display.Opacity = 0.35
     if part == "train":
         display.LineWidth = 4
-    if part in HIDDEN:
+    if hidden:
         simple.Hide(source, view)
     return source
 
@@ -93,18 +93,20 @@ def main(folder, state, picture=None):
     view.UseColorPaletteForBackground = 0
     view.Background = [1, 1, 1]
     view.OrientationAxesVisibility = 1
-    sources = [show(path.name.split(".")[0], path.resolve(), view) for path in found]
+    names = [path.name.split(".")[0] for path in found]
+    sources = [show(name, path.resolve(), view, name == INSIDE and "stones" in names)
+               for name, path in zip(names, found)]
     scene = simple.GetAnimationScene()
     scene.UpdateAnimationUsingDataTimeSteps()
     scene.GoToLast()
     # The train may be much longer than the bed.
-    parts = dict(zip((path.name.split(".")[0] for path in found), sources))
+    parts = dict(zip(names, sources))
     look_at(parts.get("stones") or parts.get("ground") or sources[0], view)
     simple.SaveState(str(state))
     if picture:
         simple.SaveScreenshot(str(picture), view, ImageResolution=SIZE)
     times = sorted({time for one in sources for time in (one.TimestepValues or [])})
-    print(f"{state}: {', '.join(path.name.split('.')[0] for path in found)}; {len(times)} times"
+    print(f"{state}: {', '.join(names)}; {len(times)} times"
           + (f" from {times[0]:g} to {times[-1]:g} s" if times else ""))
 
 
