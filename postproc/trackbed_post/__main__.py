@@ -130,7 +130,7 @@ def film(given):
 
 
 def write_report(given):
-    """one HTML file of a run, or of two side by side"""
+    """one HTML file of a run, or of several side by side"""
     if given.every:
         report.follow(given.results, given.output, given.over, given.every)
     else:

@@ -53,12 +53,16 @@ class Part:
 
 def parts_of(results: collections.abc.Sequence[pathlib.Path],
              kinds: collections.abc.Iterable[str]) -> collections.abc.Iterator[Part]:
-    """Parts of runs: kinds that cannot be drawn in one picture once for each run."""
+    """Parts of runs: kinds that cannot be drawn in one picture once for each run, those of two runs
+    for the first run with each of the others."""
     for kind in kinds:
         if kind in BESIDE and len(results) > 1:
             yield Part(kind, list(results), functools.partial(BESIDE[kind], list(results)))
-        groups = list(enumerate([path] for path in results)) if kind in ALONE else \
-            [(0, list(results))]
+        groups = [(0, list(results))]
+        if kind in ALONE:
+            groups = list(enumerate([path] for path in results))
+        elif kind in PAIRS and len(results) > 2:
+            groups = [(k, [results[0], other]) for k, other in enumerate(results[1:], 1)]
         draw = ALONE.get(kind) or TOGETHER[kind]
         yield from (Part(kind, group, functools.partial(draw, group), number)
                     for number, group in groups)
@@ -74,15 +78,12 @@ def draw_figures(results: collections.abc.Sequence[pathlib.Path | str], path: pa
     decks = [read.origin(one)[1] for one in runs]
     require_comparable(decks)
     kinds = [kind] if kind else of_deck(decks[0])
-    if len(runs) > 2 and set(kinds) & PAIRS:
-        raise read.Unreadable("give at most two result folders; only laboratory tests and tracks "
-                              "without a bed are drawn from more")
     folders: list[write.Folder] = []
     problem = None
     for part in parts_of(runs, kinds):
         below = pathlib.Path(path)
         if len(runs) > len(part.results):
-            below = below / f"{part.number + 1}_{part.results[0].resolve().name}"
+            below = below / f"{part.number + 1}_{part.results[-1].resolve().name}"
         folder = write.Folder(below, write.origin_of(part.results), formats)
         try:
             part.draw(folder)

@@ -192,11 +192,9 @@ def page(runs, folder, over, every=0):
 
 
 def write_report(results, file, over=(), every=0):
-    """Writes the report of one run or of two, given by their folders. `over`: (quantity, file) of
-    measured or published curves, as in curves.draw_into(). `every`: seconds
-    after which a browser loads it again; 0: never."""
-    if len(results) > 2:
-        raise read.Unreadable("give one or two result folders")
+    """Writes the report of one run or of several, given by their folders. `over`: (quantity, file)
+    of measured or published curves, as in curves.draw_into(). `every`: seconds after which a
+    browser loads it again; 0: never."""
     runs = [Run(folder) for folder in results]
     kinds.require_comparable([run.deck for run in runs])
     for quantity, other in over:  # before anything is drawn

@@ -88,6 +88,15 @@ def test_report_of_two_runs_needs_no_other_file(tmp_path):
     assert any(row in text for text in page.text["pre"])
 
 
+def test_of_several_beds_the_first_is_beside_each_other(tmp_path):
+    paths = [tmp_path / name for name in "abc"]
+    parts = list(kinds.parts_of(paths, ["bed", "train", "laboratory"]))
+    assert [(part.kind, [path.name for path in part.results]) for part in parts] == [
+        ("bed", ["a", "b"]), ("bed", ["a", "c"]), ("train", ["a"]), ("train", ["b"]),
+        ("train", ["c"]), ("laboratory", ["a", "b", "c"])]
+    assert [part.results for part in kinds.parts_of(paths[:2], ["bed"])] == [paths[:2]]
+
+
 def test_report_with_a_published_curve(tmp_path):
     published = tmp_path / "paper.csv"
     published.write_text("x_m,down_mm\n4.2,-1.0\n4.8,1.0\n")
