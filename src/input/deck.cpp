@@ -177,6 +177,13 @@ std::string Deck::where(const std::string& key) const {
   return text_->problems.start(place.reached ? place.node : nullptr) + key;
 }
 
+std::string Deck::located(const std::string& sentence) const {
+  constexpr const char* of_keys = "abcdefghijklmnopqrstuvwxyz0123456789_.[]";
+  const std::size_t end = std::min(sentence.find_first_not_of(of_keys), sentence.size());
+  const std::string key = sentence.substr(0, end), top = key.substr(0, key.find_first_of(".["));
+  return sets(top) ? where(key) + sentence.substr(end) : sentence;
+}
+
 bool Deck::sets(const std::string& key) const { return follow(text_->root, key).reached; }
 
 }  // namespace trackbed::input

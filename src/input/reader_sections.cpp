@@ -159,7 +159,7 @@ std::string without_numbers(const std::string& path) {
 // The nearest name of the same section, else the nearest one of the lists and sections within it,
 // else of the other sections that the deck has: a parameter may be in the wrong one, and its full
 // path then shows where it belongs. The name of a parameter of a section that the deck lacks would
-// mislead, unlike one that is only similar to it.
+// mislead, unlike one that is only similar to it, or a name without a section.
 std::string Reader::suggestion(const Unknown& unknown) const {
   if (const std::string near = nearest(unknown.name, unknown.known); !near.empty())
     return unknown.section.empty() ? near : fmt::format("{}.{}", unknown.section, near);
@@ -196,7 +196,7 @@ std::string Reader::suggestion(const Unknown& unknown) const {
     return known(path) &&
            (top == path || std::find(given_.begin(), given_.end(), top) != given_.end());
   });
-  if (!given.empty() || is_a_name(unknown.name)) return given;
+  if (!given.empty() || (!unknown.section.empty() && is_a_name(unknown.name))) return given;
   return choose(known);
 }
 

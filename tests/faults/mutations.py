@@ -210,7 +210,7 @@ def judged(program, case):
         # Of a text that is no TOML the parser states line and column.
         named = case.deck.name in out or "command line" in out
         return "refused", "" if named else "a refusal that does not name the deck"
-    if re.search(r"(?<![\w.-])(nan|inf)(?![\w.])|-\d{15,}", out):
+    if re.search(r"(?<![\w.-])(nan|inf)(?![\w.])|-\d{15,}", out.partition("\n")[2]):  # no title
         return "accepted", "check accepts a deck and prints nan, inf or a negative count"
     run = [program, "run", deck, *case.words, WINDOWS, "-o", case.place / "results"]
     code, out = called(run, RUN_PATIENCE)

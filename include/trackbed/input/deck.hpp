@@ -44,6 +44,9 @@ class Deck {
   // `file:line: key` of a parameter, the start of a message about it in later checks (unstable
   // step).
   std::string where(const std::string& key) const;
+  // A sentence of a module that has no access to the deck: if it begins with the key of a section
+  // or parameter, with the position of this.
+  std::string located(const std::string& sentence) const;
   bool sets(const std::string& key) const;  // whether the deck sets the parameter
 
  private:

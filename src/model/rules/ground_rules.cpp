@@ -307,20 +307,12 @@ void declare_ground_mesh(const Model& model, input::Section& s) {
 
 namespace {
 
-// The mesh is made without the deck: a problem that begins with a key gets its file and line here.
-std::string located(const std::string& problem, const input::Deck& deck) {
-  constexpr const char* of_keys = "abcdefghijklmnopqrstuvwxyz0123456789_.[]";
-  if (!problem.starts_with("ground.")) return problem;
-  const std::size_t end = std::min(problem.find_first_not_of(of_keys), problem.size());
-  return deck.where(problem.substr(0, end)) + problem.substr(end);
-}
-
 fem::MeshReport report_of(const Model& model, const input::Deck& deck) {
   try {
     return fem::look_at_mesh(model.ground);
   } catch (const InputError& error) {
     std::vector<std::string> problems;
-    for (const std::string& problem : error.problems()) problems.push_back(located(problem, deck));
+    for (const std::string& problem : error.problems()) problems.push_back(deck.located(problem));
     throw InputError(problems);
   }
 }

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "model/rules/rules.hpp"
@@ -122,6 +123,15 @@ void declare_uses_of_stages(const Model& model, input::Section& s) {
     s.rule(growth, model.bed.cell.empty() || stage.growth == 0,
            "must be 0 with bed.cell, whose copies are already packed",
            {.reads = {growth, "bed.cell"}});
+    constexpr double fewest = 100;  // sub-steps, in which stones still move apart
+    const double step = (model.time.step > 0 ? model.time.step : model.time.rough_step) /
+                        std::sqrt(stage.stiffness);
+    s.rule(
+        growth, stage.growth == 0 || step == input::unbounded || stage.growth >= fewest * step,
+        fmt::format("is less than {:.0f} sub-steps of about {:.2g} s, so that stones would overlap "
+                    "deeply; give at least {:.2g} s",
+                    fewest, step, fewest * step),
+        {.reads = {growth, "bed", "time.step", "contact", "material"}});
     const std::string growth_height = growth + "_height";
     s.rule(growth_height, stage.growth_height == none.growth_height || stage.growth > 0,
            "has no effect: the stage has no growth",

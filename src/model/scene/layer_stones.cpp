@@ -16,14 +16,6 @@ namespace trackbed::model {
 
 namespace {
 
-// Modules have no access to the deck: a sentence that begins with a parameter's name gets its
-// position in the deck.
-std::string placed(const std::string& words, const input::Deck& deck) {
-  const std::size_t colon = words.find(": ");
-  const bool names = words.starts_with("bed.") && colon != std::string::npos;
-  return names ? deck.where(words.substr(0, colon)) + words.substr(colon) : words;
-}
-
 // A sentence about the file of shapes gets the position in the deck that names it.
 bed::Stones stones_of(const par::Comm& comm, const Model& model, const std::string& layer,
                       const input::Deck& deck) {
@@ -32,7 +24,7 @@ bed::Stones stones_of(const par::Comm& comm, const Model& model, const std::stri
     return bed::stones_of(comm, bed, model.domain());
   } catch (const InputError& error) {  // equal on all ranks
     const std::string words = error.what(), start = bed.library + ": ";
-    if (bed.library.empty() || !words.starts_with(start)) throw InputError({placed(words, deck)});
+    if (bed.library.empty() || !words.starts_with(start)) throw InputError({deck.located(words)});
     const std::string key =
         layer.empty() ? "bed.library" : fmt::format("bed.layer.{}.library", layer);
     throw InputError(

@@ -127,6 +127,15 @@ TEST(Deck, SuggestsNoParametersOfSectionsThatAreMissing) {
             (Sentences{"deck.toml:2: dem.young is not a parameter; did you mean layer[].young?"}));
 }
 
+TEST(Deck, LocatesSentencesThatBeginWithAKey) {
+  const Deck deck = Deck::parse("title = 'a'\n[dem]\nskin = 1\n", "deck.toml");
+  EXPECT_EQ(deck.located("dem.skin: is odd"), "deck.toml:3: dem.skin: is odd");
+  EXPECT_EQ(deck.located("dem has 3 stones"), "deck.toml:2: dem has 3 stones");
+  EXPECT_EQ(deck.located("dem.law is odd"), "deck.toml: dem.law is odd");
+  EXPECT_EQ(deck.located("the bed is odd"), "the bed is odd");
+  EXPECT_EQ(deck.located(""), "");
+}
+
 TEST(Deck, ReportsSyntaxErrorsWithTheirLine) {
   const auto start = [](const std::string& text) {
     const Sentences problems = problems_of(text);
