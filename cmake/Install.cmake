@@ -11,9 +11,9 @@ install(PROGRAMS cmake/trackbed_post.sh RENAME trackbed_post DESTINATION ${CMAKE
 install(FILES docs/input.schema.json DESTINATION ${trackbed_data}/docs)
 install(FILES README.md CHANGELOG.md CITATION.cff LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
-# Documents link to decks as in the source.
+# A link, so that ../inputs in the documents leads to the installed decks.
 file(RELATIVE_PATH trackbed_decks "${CMAKE_INSTALL_FULL_DOCDIR}"
-     "${CMAKE_INSTALL_FULL_DATADIR}/trackbed/inputs")
+     "${CMAKE_INSTALL_PREFIX}/${trackbed_data}/inputs")
 file(MAKE_DIRECTORY "${CMAKE_BINARY_DIR}/installed")
 file(CREATE_LINK "${trackbed_decks}" "${CMAKE_BINARY_DIR}/installed/inputs" SYMBOLIC)
 install(FILES "${CMAKE_BINARY_DIR}/installed/inputs" DESTINATION ${CMAKE_INSTALL_DOCDIR})

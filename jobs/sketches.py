@@ -222,7 +222,7 @@ def in_a_longer_track(sheet, title, rail, floor, section):
               ha="left")
     for x in ((START - 0.15, LEFT), (RIGHT, END + 0.15)):
         sheet.fixed(x, floor)
-    sheet.text(RIGHT + 0.05, floor - 0.19, "z = 0: top of the ground", size=SMALL, ha="left")
+    sheet.text(RIGHT + 0.05, floor - 0.19, "z = 0: top of ground or floor", size=SMALL, ha="left")
 
 
 def places(sheet, rail, bottom, section, own, first):
@@ -374,6 +374,7 @@ def vehicle():
 
 ROWS = {"rail": 4.0, "sleepers": 3.28, "stones": 2.36, "ground": 1.44}  # of the sketch of a window
 ROW = 0.36
+INSTANTS = ("t_n", "t_n+1", "t_n+2")
 
 
 def number_in(sheet, x, y, number):
@@ -400,8 +401,8 @@ def window():
         sheet.distance((x, x + width), 4.58, "", key=False)
         for at in (x, x + width):
             sheet.line([at, at], [1.3, 4.62], color="#888888", width=0.6, dashes=(3, 2), zorder=0)
-        exchange(sheet, x, width)
-    for at, name in ((begin[0], "t_n"), (begin[1] - gap / 2, "t_n+1"), (begin[1] + width, "t_n+2")):
+        exchange(sheet, x, width, *INSTANTS[k:k + 2])
+    for at, name in zip((begin[0], begin[1] - gap / 2, begin[1] + width), INSTANTS):
         sheet.text(at, 4.7, name, size=SMALL)
     # From window to window.
     end = (begin[0] + width + 0.02, ROWS["stones"] + ROW / 2)
@@ -410,8 +411,8 @@ def window():
                     dashed=True)
     number_in(sheet, end[0] + 0.36, end[1], 5)
     legend = ("full arrows: motion;   dashed arrows: forces;   numbers: the order in a window",
-              "1  sleepers: one step under the pad forces at t_n, platen and walls: one step",
-              "2  rail and vehicles: one implicit step above the seats at t_n+1",
+              "1  sleepers: one step under the pad forces at its begin, platen and walls: one step",
+              "2  rail and vehicles: one implicit step above the seats at its end",
               "3  ground: explicit steps h, or one implicit step",
               "4  stones: K sub-steps, while nodes move linearly, X_0 + s U with s = k/K",
               "5  mean load S_0/K of each node in this window: the load of the next one")
@@ -420,8 +421,8 @@ def window():
     return sheet
 
 
-def exchange(sheet, x, width):
-    """What the parts give to each other within a window."""
+def exchange(sheet, x, width, begin, end):
+    """What the parts give to each other within the window between two instants."""
     middle = x + width / 2
     for number, name, words in ((2, "rail", "one implicit step"), (1, "sleepers", "one step"),
                                 (3, "ground", ""), (4, "stones", "")):
@@ -430,10 +431,10 @@ def exchange(sheet, x, width):
         sheet.text(middle, y, words, size=SMALL)
     top, bottom = ROWS["rail"], ROWS["sleepers"] + ROW
     sheet.arrow((x + 0.2, top), (x + 0.2, bottom), color=LOAD, width=1.4, dashed=True)
-    sheet.text(x + 0.28, (top + bottom) / 2, "pad force\nat t_n", size=SMALL, ha="left",
+    sheet.text(x + 0.28, (top + bottom) / 2, f"pad force\nat {begin}", size=SMALL, ha="left",
                color=LOAD)
     sheet.arrow((x + width - 0.12, bottom), (x + width - 0.12, top), color=MOTION, width=1.4)
-    sheet.text(x + width - 0.2, (top + bottom) / 2, "seats at\nt_n+1", size=SMALL, ha="right",
+    sheet.text(x + width - 0.2, (top + bottom) / 2, f"seats at\n{end}", size=SMALL, ha="right",
                color=MOTION)
     for low, high, up in ((ROWS["stones"] + ROW, ROWS["sleepers"], False),
                           (ROWS["ground"] + ROW, ROWS["stones"], True)):

@@ -59,31 +59,30 @@ def summary_of_scans(n):
         runs = [run for run in (scanned.name_of(*case, wheel) for case in scanned.CASES)
                 if n.has(run)]
         if runs:
-            force, surface = (max(n(run, f"error of {what}, worst") for run in runs)
-                              for what in ("the largest force", "the irregularity"))
-            lost = " where the train is found, which it is not in every run" \
-                if not np.isfinite(force) else ""
-            if lost:
-                force, surface = (max(value for run in runs if np.isfinite(
-                    value := n(run, f"error of {what}, worst")))
-                                  for what in ("the largest force", "the irregularity"))
-            texts.append(f"{force:.0f} and {surface:.0f} % ({title}){lost}")
+            errors = [[n(run, f"error of {what}, worst")
+                       for what in ("the largest force", "the irregularity")] for run in runs]
+            found = [one for one in errors if np.isfinite(one).all()]
+            lost = f"; train not found in {len(errors) - len(found)} of {len(errors)} runs" \
+                if len(found) < len(errors) else ""
+            force, surface = np.max(found, axis=0) if found else (np.inf, np.inf)
+            texts.append(f"{force:.0f} and {surface:.0f} % ({title}{lost})")
     return (f"- On a made-up scan of a crossing, the largest force and the irregularity err by at "
             f"most {'; '.join(texts)}.\n") if texts else ""
 
 
 def summary_of_stones(n):
-    runs = [run for run in map(stones.name_of, stones.CASES) if n.has(run)]
+    cases = [case for case in stones.CASES if n.has(stones.name_of(case))]
+    runs = [stones.name_of(case) for case in cases]
     if not runs:
         return ""
     moved, force = (max(n(run, f"error of {quantity}, noise 0.1 %, worst") for run in runs)
                     for quantity in ("displacement", "largest force"))
-    def stiffness(case):
-        return f"{n(stones.name_of(case), 'error of stiffness, noise 0.1 %, worst'):.0f} % ({case})"
-    seen = sum(n(run, "reduction of the sum of squares") > SEEN for run in runs if "void" in run)
+    stiffness = [f"{n(run, 'error of stiffness, noise 0.1 %, worst'):.0f} % ({case})"
+                 for run, case in zip(runs, cases)]
+    voids = [n(run, "reduction of the sum of squares") > SEEN for run in runs if "void" in run]
     return f"""- On stones, the displacement errs by at most {moved:.1f} %, the largest force by
-  {force:.0f} %, the stiffness by {', '.join(stiffness(case) for case in stones.CASES)}. Of three
-  voids {seen} {"is" if seen == 1 else "are"} recognised.
+  {force:.0f} %, the stiffness by {', '.join(stiffness)}. Voids that are recognised: {sum(voids)} of
+  {len(voids)}.
 """
 
 

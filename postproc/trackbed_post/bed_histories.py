@@ -98,11 +98,11 @@ def draw_support(runs):
             stiff.plot(run.sleepers_x, of / 1e6, style, marker="o", ms=3, lw=1, color=f"C{number}",
                        label=f"{run.name}, {what}")
         gaps.plot(run.sleepers_x, found.gap * 1e3, style, marker="o", ms=3, lw=1, label=run.name)
-        text.append(f"{run.name}: {found.hanging} of {len(found.gap)} have a gap above "
-                    f"{1e3 * support.HANGS:g} mm")
+        text.append(f"{run.name}: {found.words()}")
     loops.set_xlabel("sleeper lowered relative to the ground (mm)")
     loops.set_ylabel("reaction of the stones (kN)")
-    loops.set_title("Loops in the passage", fontsize=10)
+    loops.set_title(f"Loops in the {'passage' if runs[0].has_passage() else 'last stage'}",
+                    fontsize=10)
     stiff.set_ylabel("stiffness of the support (kN/mm)")
     stiff.set_ylim(bottom=0)
     stiff.set_title("Secant to the largest reaction", fontsize=10)

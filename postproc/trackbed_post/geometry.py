@@ -231,12 +231,18 @@ def beyond_limits(level: Level, speed: float, bases: Bases = BASES) -> list[str]
         for rail, one in zip(rails_of(level), bands_of(level).get(name, np.empty((0, 0)))[rows].T):
             found = geometry_limits.sections(level.x[rows], 1e3 * one, limit)
             lines += geometry_limits.words(f"{name}, {rail}", limit, "mm", found)
+        if name in bands_of(level) and (rows.start, rows.stop) != (0, len(level.x)):
+            lines.append(f"    judged from {level.x[rows][0]:.4g} to {level.x[rows][-1]:.4g} m: "
+                         "beyond, the filter reaches the ends of the record")
     for base in bases if level.height.shape[1] == 2 else ():
-        if (most := geometry_limits.twist_limit(base, speed)) is not None:
+        if (most := geometry_limits.twist_limit(base, speed)) is None:
+            low, high = geometry_limits.TWIST_BASES
+            lines.append(f"  twist over {base:g} m: no limit is known ({low:g} to {high:g} m)")
+        else:
             x, slope = twist(level, base)
             lines += geometry_limits.words(f"twist over {base:g} m", most, "mm/m",
                                            geometry_limits.sections(x, 1e3 * slope, most))
-    return lines
+    return [*lines, f"  {geometry_limits.SOURCE}"] if lines else []
 
 
 def rails_of(level: Level) -> tuple[str, ...]:

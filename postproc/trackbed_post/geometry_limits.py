@@ -18,6 +18,8 @@ LEVEL = {(0, 80): {"D1": 28.0}, (80, 120): {"D1": 26.0}, (120, 160): {"D1": 23.0
 TWIST = {(0, 200): 7.0, (200, 300): 5.0}  # mm/m, the most over any base
 TWIST_BASES = (1.3, 20.0)                 # m
 LISTED = 10  # sections
+SOURCE = ("limits: level EN 13848-5:2008, twist 2011/275/EU, from memory, not verified against the "
+          "texts")
 
 
 def at(table: dict[tuple[int, int], Value], speed: float) -> Value:

@@ -57,7 +57,7 @@ def shade_blocks(panel, run, names):
         panel.axvspan(low, high, lw=0, zorder=0, color=colour, alpha=alpha)
         if names:
             words = "structure" if name == "structure" else "wedge (in the first run)"
-            panel.text((low + high) / 2, 0.03, words, fontsize=9, ha="center", va="bottom",
+            panel.text((low + high) / 2, 0.97, words, fontsize=9, ha="center", va="top",
                        transform=panel.get_xaxis_transform())
 
 

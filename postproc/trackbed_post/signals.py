@@ -186,6 +186,11 @@ def _even_step(time: np.ndarray) -> float:
     return dt
 
 
+def resolves_comfort(time: np.ndarray) -> bool:
+    """Whether samples contain the band of the weightings Wk and Wb."""
+    return _even_step(time) <= COMFORT_STEP * (1 + EVEN_STEP)
+
+
 def weighted(time: np.ndarray, acceleration: np.ndarray,
              weighting: collections.abc.Callable = weighting_wk) -> np.ndarray:
     """The weighted acceleration, m/s2, of evenly spaced samples. The weighting is applied in the
@@ -213,9 +218,9 @@ def continuous_comfort(time: np.ndarray, acceleration: np.ndarray) -> np.ndarray
     """CC_z of EN 12299:2009, m/s2: root mean square, weighted by Wb, of each whole interval of 5 s;
     none of a record with fewer than 200 samples in a second, which does not contain the band of
     Wb."""
-    dt = _even_step(time)
-    if dt > COMFORT_STEP:
+    if not resolves_comfort(time):
         return np.empty(0)
+    dt = _even_step(time)
     squares = weighted(time, acceleration, weighting_wb)**2
     count = int(len(time) * dt / COMFORT_INTERVAL * (1 + 1e-9))
     ends = np.round(np.arange(count + 1) * COMFORT_INTERVAL / dt).astype(int)

@@ -17,25 +17,35 @@ class Support:
     reaction: np.ndarray   # [time, sleeper], N
     bed: np.ndarray        # N/m, secant of the reaction over `lowered`
     whole: np.ndarray      # N/m, the same over the displacement itself: with the ground
-    gap: np.ndarray        # m, where the secant of the bed has the first reaction; at least 0
+    # m, where the secant of the bed has the first reaction, at least 0; of a sleeper that was not
+    # loaded more than at first its largest displacement, which its gap exceeds.
+    gap: np.ndarray
 
     @property
     def hanging(self) -> int:
         """Number of sleepers that hang."""
         return int(np.count_nonzero(self.gap > HANGS))
 
+    def words(self) -> str:
+        if np.isnan(self.gap).all():
+            return "gaps are not known without the histories of the ground"
+        return f"{self.hanging} of {len(self.gap)} have a gap above {1e3 * HANGS:g} mm"
+
 
 def of(results: read.Results) -> Support:
     """The load of a sleeper is followed backwards from its largest reaction to SECANT of the
-    increase since the first row, which must be before the load of the train."""
+    increase since the first row, which must be before the load of the train. Numbers of the bed
+    alone are not known (NOWHERE) if the ground's histories were left out."""
     rows = results.passage()
     height = results.sleeper["displacement"].values[rows]
     reaction = results.sleeper["reaction"].values[rows]
     whole = height[0] - height
     lowered = whole - measures.ground_lowered(results)
+    if "displacement" not in results.ground and results.deck.get("ground", {}).get("present"):
+        lowered = np.full_like(whole, measures.NOWHERE)
     count = lowered.shape[1]
     found = Support(lowered, reaction, np.full(count, measures.NOWHERE),
-                    np.full(count, measures.NOWHERE), np.zeros(count))
+                    np.full(count, measures.NOWHERE), np.max(lowered, axis=0, initial=0.0))
     for k in range(count):
         most = int(np.argmax(reaction[:, k]))
         level = reaction[0, k] + SECANT * (reaction[most, k] - reaction[0, k])
@@ -61,9 +71,8 @@ def of(results: read.Results) -> Support:
 
 def summary(run: read.Results) -> str:
     """A line of text: how many sleepers hang."""
-    found = of(run)
-    return (f"support of sleepers in the passage, {run.name}: {found.hanging} of "
-            f"{len(found.gap)} have a gap above {1e3 * HANGS:g} mm")
+    stage = "passage" if run.has_passage() else "last stage"
+    return f"support of sleepers in the {stage}, {run.name}: {of(run).words()}"
 
 
 def table(runs: collections.abc.Iterable[read.Results]) -> str:

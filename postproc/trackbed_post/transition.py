@@ -256,11 +256,13 @@ def verdict(trains, changes):
     now, other = changes
     steepest = compared(now, other, "the steepest change of this level between two sleepers",
                         "mm/m", 1e3, "steepest")
-    scatter = f"{1e3 * max(now.scatter, other.scatter):.2g} mm/m"
+    scatter = max(now.scatter, other.scatter)
     if now.steepest <= (1 + measures.CLEAR) * now.scatter < other.steepest:
         steepest += f", no more than the scatter on plain track ({1e3 * now.scatter:.2g} mm/m)"
     else:
-        steepest += f", where the stones alone cause up to {scatter} on plain track"
+        less = abs(now.steepest - other.steepest) < scatter
+        steepest += (f", a difference {'smaller' if less else 'larger'} than the scatter on plain "
+                     f"track ({1e3 * scatter:.2g} mm/m)")
     return ("The lowest level of the rail under the train changes from structure to plain track. "
             f"With the wedge, {measures.REACHED:.0%} of this change is reached {now.width:.2g} m "
             f"behind the structure instead of {other.width:.2g} m; {steepest}; "

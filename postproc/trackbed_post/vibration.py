@@ -85,9 +85,10 @@ def numbers(signal: measured.Signal) -> dict[str, tuple[float, str]]:
             signals.weighted_rms(signal.time, signal.values), "m/s2")
         found["root mean square weighted by Wb (EN 12299)"] = (
             signals.weighted_rms(signal.time, signal.values, signals.weighting_wb), "m/s2")
-        largest, dose = signals.transient(signal.time, signal.values)
-        found["largest weighted (Wk) root mean square in 1 s, MTVV"] = (largest, "m/s2")
-        found["vibration dose value (Wk), VDV"] = (dose, "m/s1.75")
+        if signals.resolves_comfort(signal.time):
+            largest, dose = signals.transient(signal.time, signal.values)
+            found["largest weighted (Wk) root mean square in 1 s, MTVV"] = (largest, "m/s2")
+            found["vibration dose value (Wk), VDV"] = (dose, "m/s1.75")
         comfort = signals.continuous_comfort(signal.time, signal.values)
         if len(comfort):
             found[f"largest CC_z of {len(comfort)} intervals of 5 s (EN 12299)"] = (

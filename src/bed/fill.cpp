@@ -115,8 +115,8 @@ double fill(dem::Particles& particles, const par::Comm& comm, const BedParameter
 
 namespace {
 
-// m, height of the loose columns, from `sample` of them evenly spread if there are more: their
-// highest is enough to choose how small the stones begin. Collective.
+// m, height of the highest of at most `sample` loose columns, evenly spread. A higher one among the
+// others only lets the stones begin a little larger than meant. Collective.
 double height_of(const par::Comm& comm, const Columns& columns) {
   constexpr std::int64_t sample = 1024;
   const std::int64_t looked_at = std::min(columns.count(), sample);

@@ -82,6 +82,7 @@ class Reader : public Section {
   void report_unknown(const Frame& frame);
   std::string describe_unknown(const Unknown& unknown) const;
   bool is_a_name(const std::string& word) const;  // of a parameter of any section
+  bool gives_section_of(const std::string& path) const;
   std::string suggestion(const Unknown& unknown) const;
   void open(Frame frame);
 
@@ -92,7 +93,7 @@ class Reader : public Section {
   std::vector<Frame> open_;
   std::vector<Unknown> unknown_;
   std::vector<std::string> sections_;  // names known at the top of the deck, after the visit
-  std::vector<std::string> given_;     // names at the top of the deck, after the visit
+  const Node* root_ = nullptr;         // of the deck, after the visit
   std::map<std::string, std::string> defaults_;  // path -> value as shown
   // A rule is skipped if it uses one of these.
   std::vector<std::string> rejected_;  // paths of rejected values

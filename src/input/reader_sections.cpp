@@ -111,7 +111,7 @@ void Reader::report_unknown(const Frame& frame) {
 
 void Reader::finish() {
   sections_ = open_.back().known;
-  for (const auto& [name, value] : open_.back().node->members) given_.push_back(name);
+  root_ = open_.back().node;
   leave();
   for (const Unknown& unknown : unknown_)
     problems_.append(unknown.problem, describe_unknown(unknown));
@@ -156,14 +156,24 @@ std::string without_numbers(const std::string& path) {
 
 }  // namespace
 
+// Whether the deck has the section of this parameter.
+bool Reader::gives_section_of(const std::string& path) const {
+  const Node* node = root_;
+  std::size_t begin = 0;
+  for (std::size_t end; node != nullptr && (end = path.find('.', begin)) != std::string::npos;
+       begin = end + 1) {
+    const std::string name = path.substr(begin, end - begin);
+    node = node->member(name.substr(0, name.find('[')));
+    if (node != nullptr && node->is_list()) node = node->items.empty() ? nullptr : &node->items[0];
+  }
+  return node != nullptr;
+}
+
 // The nearest name of the same section, else the nearest one of the lists and sections within it,
 // else of the other sections that the deck has: a parameter may be in the wrong one, and its full
 // path then shows where it belongs. The name of a parameter of a section that the deck lacks would
 // mislead, unlike one that is only similar to it, or a name without a section.
 std::string Reader::suggestion(const Unknown& unknown) const {
-  if (const std::string near = nearest(unknown.name, unknown.known); !near.empty())
-    return unknown.section.empty() ? near : fmt::format("{}.{}", unknown.section, near);
-  const std::string within = without_numbers(unknown.section);
   const auto choose = [&](auto&& fits) -> std::string {
     std::vector<const ParameterInfo*> possible;
     std::vector<std::string> words;
@@ -182,21 +192,26 @@ std::string Reader::suggestion(const Unknown& unknown) const {
     if (found.size() > most) found.resize(most);
     return fmt::format("{}", fmt::join(found, " or "));
   };
-  if (!within.empty()) {
+  const auto known = [&](const std::string& path) {
+    return std::find(sections_.begin(), sections_.end(), top_of(path)) != sections_.end();
+  };
+  const auto given = [&](const std::string& path) { return known(path) && gives_section_of(path); };
+  if (const std::string near = nearest(unknown.name, unknown.known); !near.empty()) {
+    if (unknown.section.empty()) return near;
+    // The right name in the wrong section is as likely as a wrong name.
+    const std::string exact = choose(
+        [&](const std::string& path) { return given(path) && last_word(path) == unknown.name; });
+    return fmt::format("{}.{}{}{}", unknown.section, near, exact.empty() ? "" : " or ", exact);
+  }
+  if (!unknown.section.empty()) {
+    const std::string within = without_numbers(unknown.section);
     const std::string inner = choose([&](const std::string& path) {
       return path.starts_with(within + ".") || path.starts_with(within + "[");
     });
     if (!inner.empty()) return inner;
   }
-  const auto known = [&](const std::string& path) {
-    return std::find(sections_.begin(), sections_.end(), top_of(path)) != sections_.end();
-  };
-  const std::string given = choose([&](const std::string& path) {
-    const std::string top = top_of(path);
-    return known(path) &&
-           (top == path || std::find(given_.begin(), given_.end(), top) != given_.end());
-  });
-  if (!given.empty() || (!unknown.section.empty() && is_a_name(unknown.name))) return given;
+  const std::string there = choose(given);
+  if (!there.empty() || (!unknown.section.empty() && is_a_name(unknown.name))) return there;
   return choose(known);
 }
 

@@ -1,6 +1,6 @@
-// Axes of the histories and envelopes, as readers of netCDF expect them: in each group a dataset
-// `time` (one and the same in all groups) and one for the columns: their positions along the track
-// where these do not change, or their numbers from 0.
+// Axes of the histories, envelopes and tables of stages, as readers of netCDF expect them: in each
+// group a dataset `time` (one and the same in all groups of histories) and one for the columns:
+// their positions along the track where these do not change, or their numbers from 0.
 #include <algorithm>
 #include <numeric>
 
@@ -173,8 +173,10 @@ void set_axes_of_snapshot(const par::Comm& comm, io::File& file, const std::stri
       Axes{"stones/%/radius", "pebble"},
       Axes{"stones/%/sieved", "stone", "property", "sieve, mass"},
       Axes{"surface/%/top", "cell", "component", "x y z"},
-      Axes{"bonds/%/whole", "bond", "bond_property", "as the description of the table"},
-      Axes{"bonds/%/broken", "broken_bond", "break_property", "as the description of the table"}};
+      Axes{"bonds/%/whole", "bond", "bond_property",
+           "both stones, kind, x, y, z, force, utilisation, damage"},
+      Axes{"bonds/%/broken", "broken_bond", "break_property",
+           "time, both stones, kind, by shear, x, y, z, tensile stress, shear stress, energy"}};
   for (const Axes& axes : tables) {
     std::string path = axes.table;
     path.replace(path.find('%'), 1, stage);

@@ -31,7 +31,7 @@ KILLED = [(name, deck, words, (1, 4)) for name, deck, words, _ in RUNS]
 KILLED += [("implicit", "tests/restart/tiny.toml", ("ground.integrator=newmark",), (2, 2))]
 OFTEN = ("output.checkpoint_wall_interval=0.05",)
 KILLS_OF_A_RUN = 5
-LONGEST = 4.0  # s, from the start of a run to its kill; it takes about 0.5 s to begin
+LONGEST = 4.0  # s, from the start of a run to its kill, but not longer than an undisturbed run
 PATIENCE = 300  # s
 QUEUE_WAITS = 30  # s, from SIGTERM to SIGKILL, as is usual
 
@@ -88,11 +88,14 @@ def chosen(names):
 
 
 class Trial:
-    def __init__(self, given, number):
+    """`lasts`: s, of an undisturbed run, by its name."""
+
+    def __init__(self, given, number, lasts):
         self.program, self.chance = Program(given.program), random.Random(f"{given.seed} {number}")
         source, folder = given.source, given.folder
         self.name, deck, words, self.ranks = self.chance.choice(chosen(given.runs))
         self.place, self.whole = folder / f"trial_{number}", folder / "whole" / self.name
+        self.longest = min(LONGEST, lasts[self.name])
         self.messages = folder / f"trial_{number}.txt"
         self.command = ["run", source / deck, *words, *OFTEN, "--or-resume", "-o", self.place]
         self.killed = collections.Counter()
@@ -114,7 +117,7 @@ class Trial:
         while sum(self.killed.values()) < KILLS_OF_A_RUN:
             process = self.start()
             try:
-                code = process.wait(self.chance.uniform(0, LONGEST))
+                code = process.wait(self.chance.uniform(0, self.longest))
             except subprocess.TimeoutExpired:
                 self.killed[kill(process, self.program.path, self.chance)] += 1
                 continue
@@ -139,13 +142,16 @@ def main():
     given = parser.parse_args()
     shutil.rmtree(given.folder, ignore_errors=True)
     given.folder.mkdir(parents=True)
+    lasts = {}
     for name, deck, words, ranks in chosen(given.runs):
+        begin = time.monotonic()
         Program(given.program).done(ranks[0], "run", given.source / deck, *words, "-o",
                                     given.folder / "whole" / name)
+        lasts[name] = time.monotonic() - begin
     killed, runs, findings, number = collections.Counter(), collections.Counter(), 0, 0
     most = given.kills + 5  # trials: a run may end before it is killed
     while sum(killed.values()) < given.kills and number < most and findings < 10:
-        trial = Trial(given, number)
+        trial = Trial(given, number, lasts)
         finding = trial.finding()
         killed.update(trial.killed)
         runs[trial.name] += 1

@@ -159,8 +159,22 @@ def test_support_is_relative_to_the_ground(runs):
     assert "0 of" in support.summary(run)
     rows = list(csv.DictReader(support.table([run]).splitlines()))
     assert len(rows) == count and float(rows[0]["bed_N_m"]) == pytest.approx(30e6)
-    bare = support.of(dataclasses.replace(run, ground={}))
-    assert bare.gap.min() > 0.9e-3
+    bare = dataclasses.replace(run, ground={})
+    assert support.of(bare).gap.min() > 0.9e-3   # on a rigid floor
+    unknown = dataclasses.replace(bare, deck={**run.deck, "ground": {"present": True}})
+    assert np.isnan(support.of(unknown).gap).all() and np.isnan(support.of(unknown).bed).all()
+    assert "not known" in support.summary(unknown)
+
+
+def test_a_sleeper_that_never_touches_the_stones_hangs(runs):
+    run = runs[0]
+    time = run.time - run.time[run.passage()][0]
+    sunk = 1e-3 * np.sin(np.pi * np.clip(time, 0, 1))
+    way = np.repeat(sunk[:, None], len(run.sleepers_x), axis=1)
+    run = dataclasses.replace(with_support(run, way, 0 * way), ground={})
+    found = support.of(run)
+    assert found.gap == pytest.approx(1e-3, rel=1e-3) and found.hanging == len(run.sleepers_x)
+    assert np.isnan(found.bed).all()
 
 
 def test_directions_that_turn_over_are_not_joined():

@@ -177,6 +177,17 @@ def test_sections_beyond_the_limit_are_listed(tmp_path, speed, size, beyond):
         assert (count > 0) == found, table
 
 
+def test_what_is_not_judged_is_stated(tmp_path):
+    path = write_csv(tmp_path / "line.csv", x_m=X, left_mm=np.sin(X), right_mm=-np.sin(X))
+    ran = conftest.call("geometry", path, "-o", tmp_path / "out", "--speed", 120, "--twist-base",
+                        3, 30)
+    assert ran.returncode == 0, ran.stderr
+    table = (tmp_path / "out/geometry.txt").read_text()
+    assert "judged from 25 to 875 m" in table
+    assert "twist over 30 m: no limit is known (1.3 to 20 m)" in table
+    assert "not verified against" in table
+
+
 def test_a_section_has_its_ends_and_its_largest_value():
     x, values = np.arange(8.0), np.array([0, 2, -3, 1, 0, 4, 1, -2])
     assert geometry_limits.sections(x, values, 1.0) == [(1, 2, 3), (5, 5, 4), (7, 7, 2)]

@@ -212,10 +212,10 @@ struct Particles::Impl {
   double mass(std::size_t b) const { return state.v[b].w; }
   // Of a particle of full size: grid and levels are made for that.
   double radius(std::size_t b) const { return shapes.bound(state.shape[b]) * state.scale[b]; }
-  // The first problem of a window is the cause, later ones are mostly its effects. Ranks agree on
-  // it at the end of the window.
   // For messages about overlaps; empty if contacts have the stiffness of their laws.
   std::string softness() const;
+  // The first problem of a window is the cause, later ones are mostly its effects. Ranks agree on
+  // it at the end of the window.
   void report(std::string problem) {
     if (trouble.empty()) trouble = std::move(problem);
   }

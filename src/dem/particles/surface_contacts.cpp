@@ -368,8 +368,8 @@ void Particles::Impl::compute_surface_forces(const SubStep& step) {
       "step, a stiffer contact or less load may help{}{}",
       state.id[b], x.x, x.y, x.z, surfaces[static_cast<std::size_t>(deepest->surface)]->name, worst,
       has_corners(deepest->piece) ? "rounding radius" : "radius", parameters.largest_overlap,
-      softness(),
-      worst > 1 ? "; or is the stone behind the surface (opposite to its normal)?" : ""));
+      worst > 1 ? "; or is the stone behind the surface (opposite to its normal)?" : "",
+      softness()));
 }
 
 }  // namespace trackbed::dem

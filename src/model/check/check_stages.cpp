@@ -49,7 +49,7 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
     if (count > most_placed) {
       say(comm, fmt::format("  stones{}: {}, not placed here since they are more than {}", which,
                             count, most_placed));
-      later = "; stones will need more";
+      later = ", without the stones";
     } else {
       actions.begin(model.stages.front());
       memory = megabytes();

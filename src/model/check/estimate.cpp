@@ -67,10 +67,6 @@ std::vector<std::string> warning_of_ground_steps(const World& world, double long
                   steps)};
 }
 
-}  // namespace
-
-namespace {
-
 // A stage and what it costs at most, s of wall time: stages may end early.
 struct StageCost {
   const Stage* stage;

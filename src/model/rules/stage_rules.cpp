@@ -131,7 +131,8 @@ void declare_uses_of_stages(const Model& model, input::Section& s) {
         fmt::format("is less than {:.0f} sub-steps of about {:.2g} s, so that stones would overlap "
                     "deeply; give at least {:.2g} s",
                     fewest, step, fewest * step),
-        {.reads = {growth, "bed", "time.step", "contact", "material"}});
+        {.reads = {growth, fmt::format("stage[{}].stiffness", i), "bed", "time.step", "dem.safety",
+                   "contact", "material"}});
     const std::string growth_height = growth + "_height";
     s.rule(growth_height, stage.growth_height == none.growth_height || stage.growth > 0,
            "has no effect: the stage has no growth",
