@@ -270,13 +270,13 @@ def draw(levels: collections.abc.Sequence[Level], bases: Bases = BASES) -> plt.F
                                label=f"{level.name}, base of {base:g} m")
     for panel, name in zip(panels[:, 0], shown):
         low, high = BANDS[name]
-        panel.set_ylabel(f"{name}, {low:g} to {high:g} m\nlevel (mm)")
+        panel.set_ylabel(f"{name}, {low:g} to {high:g} m,\nzero phase: level (mm)")
     if both:
         panels[-1, 0].set_ylabel("twist (mm/m)")
     for panel in panels[:, 0]:
         panel.grid(alpha=0.3)
         panel.legend(fontsize=8)
-    panels[0, 0].set_title("Longitudinal level, zero phase" if shown else "Twist", fontsize=10)
+    panels[0, 0].set_title("Longitudinal level" if shown else "Twist", fontsize=10)
     panels[-1, 0].set_xlabel("x along the track (m)")
     return figure
 

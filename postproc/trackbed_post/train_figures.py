@@ -161,7 +161,9 @@ def draw_into(results, folder):
         raise read.Unreadable(f"{results[0]}: contains a track alone, without a bed")
     run = read.results(results[0])
     passing = Passing(run, every)
-    text = "".join(f"{name:66} {value:10.4g} {unit}\n"
-                   for name, (value, unit) in numbers(passing).items())
+    found = numbers(passing)
+    wide = max(map(len, found)) + 1
+    text = "".join(f"{name:{wide}} {value:10.4g} {unit}\n"
+                   for name, (value, unit) in found.items())
     folder.picture("train", draw(passing, measures.blocks(run)))
     folder.table("train.txt", text)

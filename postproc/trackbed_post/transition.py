@@ -287,7 +287,7 @@ OF_TRAINS = (("mean wheel force over the bed, kN", lambda train: 1e-3 * train.me
 
 
 def table(trains, changes):
-    wide = 54
+    wide = max(len(row[0]) for row in (*ROWS, *OF_TRAINS)) + 1
     lines = [" " * wide + "".join(f"{train.name:>15}" for train in trains)]
     for label, field, factor in ROWS if changes else ():
         lines.append(f"{label:<{wide}}" + "".join(

@@ -159,8 +159,10 @@ def draw_into(results: pathlib.Path | str, folder: write.Folder, quantity: str, 
     text = ""
     for signal in shown:
         text += f"{signal.name}\n" + "".join(f"  remark: {one}\n" for one in signal.remarks)
-        text += "".join(f"  {name:58} {value:10.4g} {unit}\n"
-                        for name, (value, unit) in numbers(signal).items())
+        found = numbers(signal)
+        wide = max(map(len, found)) + 1
+        text += "".join(f"  {name:{wide}} {value:10.4g} {unit}\n"
+                        for name, (value, unit) in found.items())
     folder.picture("vibration", draw(shown, signals.LowPass(cut_off)))
     folder.file("vibration.csv", table_of(shown))
     folder.table("vibration.txt", text)
