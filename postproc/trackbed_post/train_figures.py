@@ -92,7 +92,8 @@ def numbers(passing):
     if (off := passing.off_the_rail()) > 0:
         found["time with a wheel off the rail over the bed"] = (100 * off, "%")
     for axle in range(force.shape[1]):
-        if not np.isfinite(passing.lowest[axle]).any():
+        # While the run goes on, later axles are not there yet, or near the first sleeper only.
+        if not (np.isfinite(passing.lowest[axle]).any() and np.isfinite(force[:, axle]).any()):
             continue
         found[f"axle {axle + 1}, largest force"] = (np.nanmax(force[:, axle]) / 1e3, "kN")
         if force.shape[2] == 2:

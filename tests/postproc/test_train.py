@@ -57,6 +57,17 @@ def test_wheels_off_the_rail_are_stated():
     assert unit == "%" and value == pytest.approx(100 * 20 / axles)
 
 
+def test_axles_that_have_not_come_yet_are_left_out(recwarn):
+    run, every = made()
+    x = every["history/wheel/x"].values
+    rows = int(np.flatnonzero(x[:, 1] > 2.5)[0])   # the second axle is near the first sleeper
+    every = {name: read.Quantity(one.values[:rows], "-", "-") for name, one in every.items()}
+    run.time = run.time[:rows]
+    found = train_figures.numbers(train_figures.Passing(run, every))
+    assert "axle 1, largest force" in found and "axle 2, largest force" not in found
+    assert not [one for one in recwarn if "NaN" in str(one.message)]
+
+
 def test_run_without_rows_of_a_train_is_refused():
     run, every = made()
     every["history/wheel/x"].values[:] = np.nan
