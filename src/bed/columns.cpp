@@ -206,4 +206,19 @@ std::pair<double, double> Columns::in_circle(std::int64_t i, double clearance,
   return {size_.x() / 2 + r * std::cos(turn), size_.y() / 2 + r * std::sin(turn)};
 }
 
+double height_of(const par::Comm& comm, const Columns& columns) {
+  constexpr std::int64_t sample = 1024;
+  const std::int64_t looked_at = std::min(columns.count(), sample);
+  const auto [begin, count] =
+      io::row_range(static_cast<std::size_t>(looked_at), comm.rank(), comm.size());
+  double top = 0;
+  std::vector<dem::NewParticle> stones;
+  for (std::size_t k = begin; k < begin + count; ++k) {
+    stones.clear();
+    top = std::max(
+        top, columns.build(static_cast<std::int64_t>(k) * columns.count() / looked_at, stones));
+  }
+  return comm.max(top);
+}
+
 }  // namespace trackbed::bed

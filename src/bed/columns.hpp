@@ -55,6 +55,11 @@ class Columns {
   Vec3 low_ = Vec3::Zero(), size_ = Vec3::Zero();  // m, corner and size of the first column
 };
 
+// m, height of the highest of at most 1024 loose columns, evenly spread. A higher one among the
+// others only lets growing stones begin a little larger than meant, and is found when they are
+// placed. Collective.
+double height_of(const par::Comm& comm, const Columns& columns);
+
 // A pseudo-random permutation of 0 .. count - 1: the image of `i`, computed without the others.
 std::uint64_t shuffled(std::uint64_t i, std::uint64_t count, std::uint64_t seed);
 

@@ -16,9 +16,10 @@ constexpr double bytes_of_stone = 500;  // a ball without contacts; most stones 
 
 }  // namespace
 
-// Each size is drawn once, in any order, so the loop over all of them gives the lightest stone
-// exactly.
-// Cost: a draw per stone on every rank, and the placement of a fraction of them.
+// Sizes are drawn in ascending order and shapes in turn, so that the lightest and the largest stone
+// of each shape are among the first and the last draws; of a library, whose shapes are drawn one
+// after the other, each draw is looked at.
+// Cost: the placement of a fraction of the columns, of large beds of some of them.
 Stones stones_of(const par::Comm& comm, const BedParameters& parameters,
                  const dem::Domain& domain) {
   const Mix mix(parameters, domain.dimension, library_of(comm, parameters));
@@ -31,7 +32,7 @@ Stones stones_of(const par::Comm& comm, const BedParameters& parameters,
       fmt::format("{} has {:.3g} stones", parameters.section, static_cast<double>(stones.count)),
       "are lengths in m and sieve sizes in mm? Otherwise use larger stones, a "
       "smaller bed or more nodes");
-  for (std::int64_t k = 0; k < stones.count; ++k) {
+  const auto look_at = [&](std::int64_t k) {
     const Draw draw =
         mix.draw(static_cast<std::uint64_t>(k), static_cast<std::uint64_t>(stones.count));
     const double volume =
@@ -39,15 +40,12 @@ Stones stones_of(const par::Comm& comm, const BedParameters& parameters,
     stones.smallest_volume = std::min(stones.smallest_volume, volume);
     stones.largest_bound = std::max(stones.largest_bound, mix.bound(draw));
     stones.longest = std::max(stones.longest, mix.extent(draw));
-  }
+  };
+  const auto shapes = static_cast<std::int64_t>(mix.templates().size());
+  const std::int64_t ends = mix.ascends() ? std::min(shapes, stones.count) : stones.count;
+  for (std::int64_t k = 0; k < ends; ++k) look_at(k), look_at(stones.count - 1 - k);
   // Placed and discarded, to check that they fit before the run.
-  const auto [begin, count] =
-      io::row_range(static_cast<std::size_t>(columns.count()), comm.rank(), comm.size());
-  for (std::size_t c = begin; c < begin + count; ++c) {
-    std::vector<dem::NewParticle> placed;
-    stones.top = std::max(stones.top, columns.build(static_cast<std::int64_t>(c), placed));
-  }
-  stones.top = comm.max(stones.top);
+  stones.top = height_of(comm, columns);
   return stones;
 }
 

@@ -113,27 +113,6 @@ double fill(dem::Particles& particles, const par::Comm& comm, const BedParameter
               parameters.section);
 }
 
-namespace {
-
-// m, height of the highest of at most `sample` loose columns, evenly spread. A higher one among the
-// others only lets the stones begin a little larger than meant. Collective.
-double height_of(const par::Comm& comm, const Columns& columns) {
-  constexpr std::int64_t sample = 1024;
-  const std::int64_t looked_at = std::min(columns.count(), sample);
-  const auto [begin, count] =
-      io::row_range(static_cast<std::size_t>(looked_at), comm.rank(), comm.size());
-  double top = 0;
-  std::vector<dem::NewParticle> stones;
-  for (std::size_t k = begin; k < begin + count; ++k) {
-    stones.clear();
-    top = std::max(
-        top, columns.build(static_cast<std::int64_t>(k) * columns.count() / looked_at, stones));
-  }
-  return comm.max(top);
-}
-
-}  // namespace
-
 // The size factor from height ~ factor^3 (in a plane ^2), by a few iterations, since the number of
 // columns changes with it too.
 double fill_to_grow(dem::Particles& particles, const par::Comm& comm,

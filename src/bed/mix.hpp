@@ -28,6 +28,8 @@ class Mix {
   const std::vector<dem::Template>& templates() const { return templates_; }
   // The k-th of `count` stones, from small to large; together they have the specified grading.
   Draw draw(std::uint64_t k, std::uint64_t count) const;
+  // Whether sizes ascend and shapes take turns; the shapes of a library come one after the other.
+  bool ascends() const { return frequency_.empty(); }
   double bound(const Draw& draw) const;   // m, radius of the circle or sphere around the stone
   double extent(const Draw& draw) const;  // m, largest distance between two of its points
   double largest_bound() const;           // m, of all that can be drawn

@@ -225,6 +225,13 @@ int answered(const par::Comm& comm, int code) {
                   ExitCode::run_failed);
 }
 
+// What failed; a failed allocation states nothing by itself.
+std::string words_of(const std::exception& error) {
+  if (dynamic_cast<const std::bad_alloc*>(&error) == nullptr) return error.what();
+  return "there is no more memory on this rank; use a smaller model, more nodes, or fewer ranks on "
+         "each node";
+}
+
 // Ends the process of a rank that alone has an error: the others wait for it elsewhere, and mpirun
 // ends them when one process exits without finalising MPI.
 void leave_if_alone(const par::Comm& comm, par::Meeting& meeting, const std::exception& error,
@@ -253,7 +260,7 @@ int run_command(const par::Comm& comm, par::Meeting& meeting,
   } catch (const std::exception& error) {
     if (comm.size() == 1) throw;
     // No agreement between ranks: the others may wait for this one.
-    fmt::print(stderr, "trackbed: rank {}: {}\n", comm.rank(), error.what());
+    fmt::print(stderr, "trackbed: rank {}: {}\n", comm.rank(), words_of(error));
     std::fflush(stderr);
     std::_Exit(static_cast<int>(ExitCode::run_failed));
   }
@@ -299,7 +306,7 @@ int program(const par::Comm& comm, int argc, char** argv) {
   } catch (const RunError& error) {
     return complain(comm, std::string("trackbed: ") + error.what(), ExitCode::run_failed);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "trackbed: rank {}: {}\n", comm.rank(), error.what());
+    fmt::print(stderr, "trackbed: rank {}: {}\n", comm.rank(), words_of(error));
     return static_cast<int>(ExitCode::run_failed);
   }
 }

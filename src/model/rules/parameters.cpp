@@ -171,7 +171,7 @@ void Model::declare_space(input::Section& s) {
   s.choice("dimension", dimension, {"plane", "space"},
            "Dimension of the model; plane: x and z; space: x, y and z.");
   s.number("thickness", thickness,
-           {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 10},
+           {.unit = "m", .at_least = 1e-4, .usually_from = 0.01, .usually_to = 10},
            "Thickness of a plane model across the track; half the sleeper length if seat loads are "
            "those of one rail.");
   physics.thickness = dimension == Dimension::plane ? thickness : 0;
