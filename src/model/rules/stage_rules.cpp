@@ -123,7 +123,7 @@ void declare_uses_of_stages(const Model& model, input::Section& s) {
     s.rule(growth, model.bed.cell.empty() || stage.growth == 0,
            "must be 0 with bed.cell, whose copies are already packed",
            {.reads = {growth, "bed.cell"}});
-    constexpr double fewest = 100;  // sub-steps, in which stones still move apart
+    constexpr double fewest = 20;  // sub-steps, in which stones still move apart
     const double step = (model.time.step > 0 ? model.time.step : model.time.rough_step) /
                         std::sqrt(stage.stiffness);
     s.rule(
