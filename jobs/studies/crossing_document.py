@@ -11,6 +11,8 @@ from .crossing import (BEDS, DAMPINGS, JOINTS, NOISE, PANELS, STIFFNESS, VARIANT
                        VEES, VOIDS, variant)
 from .study import COLOURS, heading, save, table  # noqa: E402
 
+from trackbed_post.monitor import ballast  # noqa: E402, I001 (found by .study)
+
 TITLE = "crossing: from one accelerometer to forces, irregularity and ballast"
 SOURCE = """The thesis *Model-based condition monitoring of railway switches and crossings* derives
 displacement, indicators, train and speed, wheel forces, the irregularity of the running surface and
@@ -49,7 +51,7 @@ def summary(n):
 {summary_of_scans(n)}{summary_of_stones(n)}"""
 
 
-SEEN = 9  # reduction of the sum of squares with which a void is recognised
+SEEN = ballast.SIGNIFICANT**2  # reduction of the sum of squares with which a void is recognised
 
 
 def summary_of_scans(n):
@@ -273,7 +275,7 @@ wavelengths above 3 m. Forces are those of equal wheels, from the acceleration: 
 not explain the motion of stones between impacts, so that forces that differ from wheel to wheel
 fit it without being true.
 
-A void reduces the sum of squares by more than {SEEN} if it is recognised; here it is reduced by
+A void reduces the sum of squares by more than {SEEN:g} if it is recognised; here it is reduced by
 {", ".join(voids)}. A void is only seen as a loss of stiffness: with 1 mm, {soft:.0f} instead of
 {sound:.0f} MN/m.
 """

@@ -12,8 +12,8 @@ STYLES = ("-", "--")  # of the runs
 def time_in_passage(run):
     """(rows, time since its first row, s, its name for an axis) of the passage or last stage."""
     rows = run.passage()
-    stage = "passage" if run.has_passage() else "last stage"
-    return rows, run.time[rows] - run.time[rows][0], f"time since the {stage} began (s)"
+    words = f"time since the {run.passage_name()} began (s)"
+    return rows, run.time[rows] - run.time[rows][0], words
 
 
 def sensors(runs):
@@ -101,8 +101,7 @@ def draw_support(runs):
         text.append(f"{run.name}: {found.words()}")
     loops.set_xlabel("sleeper lowered relative to the ground (mm)")
     loops.set_ylabel("reaction of the stones (kN)")
-    loops.set_title(f"Loops in the {'passage' if runs[0].has_passage() else 'last stage'}",
-                    fontsize=10)
+    loops.set_title(f"Loops in the {runs[0].passage_name()}", fontsize=10)
     stiff.set_ylabel("stiffness of the support (kN/mm)")
     stiff.set_ylim(bottom=0)
     stiff.set_title("Secant to the largest reaction", fontsize=10)

@@ -101,6 +101,10 @@ class Results:
         """Whether the passage has rows: a run may have been stopped before."""
         return bool(np.any(self.stage == self._last_passage()))
 
+    def passage_name(self) -> str:
+        """What the rows of `passage` are, in titles and on axes."""
+        return "passage" if self.has_passage() else "last stage"
+
     def passage(self) -> slice:
         """Rows of the histories during the train's passage; of the last stage if there is none."""
         rows = np.flatnonzero(self.stage == self._last_passage())

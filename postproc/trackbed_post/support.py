@@ -71,8 +71,7 @@ def of(results: read.Results) -> Support:
 
 def summary(run: read.Results) -> str:
     """A line of text: how many sleepers hang."""
-    stage = "passage" if run.has_passage() else "last stage"
-    return f"support of sleepers in the {stage}, {run.name}: {of(run).words()}"
+    return f"support of sleepers in the {run.passage_name()}, {run.name}: {of(run).words()}"
 
 
 def table(runs: collections.abc.Iterable[read.Results]) -> str:

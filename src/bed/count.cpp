@@ -42,7 +42,8 @@ Stones stones_of(const par::Comm& comm, const BedParameters& parameters,
     stones.longest = std::max(stones.longest, mix.extent(draw));
   };
   const auto shapes = static_cast<std::int64_t>(mix.templates().size());
-  const std::int64_t ends = mix.ascends() ? std::min(shapes, stones.count) : stones.count;
+  const std::int64_t half = (stones.count + 1) / 2;
+  const std::int64_t ends = mix.ascends() ? std::min(shapes, half) : half;
   for (std::int64_t k = 0; k < ends; ++k) look_at(k), look_at(stones.count - 1 - k);
   // Placed and discarded, to check that they fit before the run.
   stones.top = height_of(comm, columns);

@@ -123,7 +123,7 @@ struct Stones {
   double smallest_volume = 0;  // m^3; plane: m^2
   double largest_bound = 0;    // m, radius of the largest bounding sphere
   double longest = 0;          // m, largest extent of any stone
-  double top = 0;              // m, height of the loose columns above their foot
+  double top = 0;  // m, height of the loose columns above their foot; of 1024 of them, if more
 };
 Stones stones_of(const par::Comm& comm, const BedParameters& parameters, const dem::Domain& domain);
 
