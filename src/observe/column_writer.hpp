@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "observe/impl.hpp"
+#include "trackbed/fem/ground.hpp"
+#include "trackbed/observe/column.hpp"
 
 namespace trackbed::observe {
 
@@ -32,5 +33,8 @@ class ColumnWriter {
   bool creates_;
   std::size_t next_;
 };
+
+// Of a ground, relative to static equilibrium.
+void put_energies(const fem::GroundEnergies& energies, ColumnWriter& to);
 
 }  // namespace trackbed::observe

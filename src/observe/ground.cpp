@@ -2,6 +2,7 @@
 // model, relative to static equilibrium, and vertical stress.
 #include <array>
 
+#include "observe/column_writer.hpp"
 #include "observe/impl.hpp"
 
 namespace trackbed::observe {
@@ -59,6 +60,14 @@ void Results::Impl::sample_ground(const fem::Ground& solid) {
     column.values.insert(column.values.end(), from, end);
     from = end;
   }
+}
+
+void put_energies(const fem::GroundEnergies& energies, ColumnWriter& to) {
+  to.put("history/energy/ground_kinetic", {"J", "of the ground"}, energies.kinetic);
+  to.put("history/energy/ground_elastic",
+         {"J", "of the ground, of its motion since static equilibrium"}, energies.elastic);
+  to.put("history/energy/ground_plastic", {"J", "dissipated by yielding of the ground up to now"},
+         energies.plastic);
 }
 
 }  // namespace trackbed::observe

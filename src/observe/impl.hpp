@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 
+#include "trackbed/observe/column.hpp"
 #include "trackbed/observe/results.hpp"
 
 namespace trackbed::observe {
@@ -13,14 +14,9 @@ inline constexpr const char* results_kind = "trackbed results";
 // The origin of a file of results; the deck is the effective one. Collective.
 void put_origin(const par::Comm& comm, io::File& file, const About& about);
 
-// A dataset [rows, width] that grows; `values` are rows not yet in the file, `last` those of the
-// last flush. width 0: nothing was sampled yet, so no dataset is created.
-struct Column {
-  std::string path;
-  io::Label label;
-  std::size_t width = 0;
-  std::vector<double> values{}, last{};
-};
+// Adds a row of the readings of `sensors`, which is one reading each, or none.
+void put_readings(const std::vector<Sensor>& sensors, std::span<const SensorReading> readings,
+                  std::vector<Column>& columns);
 
 // All ranks hold the same columns; rank 0 writes them.
 struct Results::Impl {
@@ -45,7 +41,7 @@ struct Results::Impl {
   }
   void append_to(io::File& file);  // the rows in memory
   void append_last_to(io::File& file) const;
-  void sample_energy(const Scene& scene, bool placed_stones);
+  void sample_energies(const Scene& scene, bool placed_stones);
   void sample_sleepers(const track::Sleepers* sleepers, std::span<const double> seat_force);
   bool records(std::string_view part) const;
   void set_ground_columns(Dimension dimension);
@@ -54,7 +50,6 @@ struct Results::Impl {
   void sample_solids(const SolidState& state);
   void sample_platen(const PlatenState& state);
   void sample_placed(const PlacedInstant& instant);
-  void sample_sensors(std::span<const SensorReading> readings);
   void sample_train(const TrainInstant& instant, std::size_t sleepers);
   void sample_regions(const dem::Particles& particles);
 

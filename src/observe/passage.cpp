@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "observe/column_writer.hpp"
 #include "observe/impl.hpp"
 #include "observe/layout.hpp"
 #include "trackbed/io/replace.hpp"
@@ -38,16 +39,15 @@ struct PassageColumn {
 // Columns have the order of `PassageColumn`. Points may have the same nearest sleeper, which is
 // kept once.
 PassageHistories::PassageHistories(const track::Line& line, const track::Train& train,
-                                   std::vector<double> points, std::size_t forces)
-    : line_(line), train_(train), points_(std::move(points)), forces_(forces), envelope_(line) {
-  for (const double x : points_)
+                                   PassageRecorded recorded)
+    : line_(line), train_(train), recorded_(std::move(recorded)), envelope_(line) {
+  for (const double x : recorded_.points)
     if (line.sleepers() > 0) sleepers_.push_back(line.nearest_sleeper(x));
   std::sort(sleepers_.begin(), sleepers_.end());
   sleepers_.erase(std::unique(sleepers_.begin(), sleepers_.end()), sleepers_.end());
   const std::size_t wheels = train.wheels().size(), bodies = train.vehicles().size();
-  const std::size_t sides = line.sides(), points_each = sides * points_.size(),
+  const std::size_t sides = line.sides(), points_each = sides * recorded_.points.size(),
                     sleepers_each = sides * sleepers_.size();
-  const bool on_ground = line.moved() > 0 && line.moves() == track::MovedPart::ground;
   lowest_.assign(points_each, std::numeric_limits<double>::infinity());
   columns_ = {
       {"history/wheel/force", {"N", "of one wheel on the rail, down positive"}, wheels, {}},
@@ -64,7 +64,7 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
        bodies,
        {}},
       {"history/body/acceleration", {"m/s2", "vertical, no filter"}, bodies, {}},
-      {"history/rail/force", {"N", "of [[force]], down positive"}, forces_, {}},
+      {"history/rail/force", {"N", "of [[force]], down positive"}, recorded_.forces, {}},
       {"history/body/roll", {"rad", "left side up positive"}, sides > 1 ? bodies : 0, {}},
       {"history/wheel/height",
        {"m",
@@ -78,13 +78,13 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
                    "ground"
                  : "vertical, up positive: mean below the ballast of a sleeper; 0 on rigid "
                    "ground"},
-       on_ground ? sleepers_each : 0,
+       on_ground() ? sleepers_each : 0,
        {}},
       {"history/ground/force",
        {"N", sides > 1 ? "force of the ballast on the ground, per sleeper end, compression positive"
                        : "force of the ballast on the ground, per sleeper and rail, compression "
                          "positive"},
-       on_ground ? sleepers_each : 0,
+       on_ground() ? sleepers_each : 0,
        {}},
       {"history/sleeper/moment",
        {"N m",
@@ -92,17 +92,40 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
         "only the first two); positive (sagging) if the ends bend upwards"},
        line.sleepers_bend() ? (sides + 1) * sleepers_.size() : 0,
        {}}};
+  // Columns without rows, which a resume reads.
+  put_energies({});
+  put_readings(recorded_.sensors, std::vector<SensorReading>(recorded_.sensors.size()), sensor_);
+  for (std::vector<Column>* group : {&energy_, &sensor_})
+    for (Column& column : *group) column.values.clear();
+}
+
+bool PassageHistories::on_ground() const {
+  return line_.moved() > 0 && line_.moves() == track::MovedPart::ground;
+}
+
+void PassageHistories::put_energies(const PassageEnergies& energies) {
+  ColumnWriter to(energy_);
+  to.put("history/energy/track",
+         {"J", "kinetic and elastic, of rails, sleepers and all springs below them"},
+         energies.track);
+  if (!on_ground()) return;
+  to.put("history/energy/given_to_ground", {"J", "work of the track on the ground up to now"},
+         energies.given_to_ground);
+  observe::put_energies(energies.ground, to);
 }
 
 // All values at the end of the step. Left before right.
-void PassageHistories::sample(const track::Passage& passage) {
+void PassageHistories::sample(const track::Passage& passage, const PassageEnergies& energies,
+                              std::span<const SensorReading> readings) {
   times_.push_back(passage.time());
+  put_energies(energies);
+  put_readings(recorded_.sensors, readings, sensor_);
   for (std::size_t i = 0; i < train_.wheels().size(); ++i) {
     put(PassageColumn::wheel_force, passage.wheel_force(i));
     put(PassageColumn::wheel_x, passage.wheel_x(i));
     put(PassageColumn::wheel_height, passage.wheel_height(i));
   }
-  for (const double x : points_)
+  for (const double x : recorded_.points)
     for (std::size_t side = 0; side < line_.sides(); ++side)
       put(PassageColumn::rail_displacement, passage.rail_displacement(x, side));
   const track::Newmark& rail = passage.line_motion();
@@ -134,12 +157,14 @@ void PassageHistories::sample(const track::Passage& passage) {
     if (const std::int32_t roll = train_.roll_unknown()[i]; line_.sides() > 1)
       put(PassageColumn::body_roll, roll < 0 ? 0 : train.displacement[roll]);
   }
-  for (std::size_t i = 0; i < forces_; ++i) put(PassageColumn::rail_force, passage.rail_force(i));
+  for (std::size_t i = 0; i < recorded_.forces; ++i)
+    put(PassageColumn::rail_force, passage.rail_force(i));
 }
 
 void PassageHistories::update_extremes(const track::Passage& passage) {
   for (std::size_t i = 0; i < lowest_.size(); ++i) {
-    const double down = passage.rail_displacement(points_[i / line_.sides()], i % line_.sides());
+    const double down =
+        passage.rail_displacement(recorded_.points[i / line_.sides()], i % line_.sides());
     lowest_[i] = std::min(lowest_[i], down);
   }
   envelope_.update(passage);
@@ -152,11 +177,12 @@ void PassageHistories::archive(io::Archive& a) {
     a.rows("extreme/rail/displacement", lowest_,
            {"m", "lowest of all time steps up to now, including those without a history row"});
   envelope_.archive(a);
-  for (Column& column : columns_) {
-    if (column.width == 0) continue;
-    column.values.resize(column.width * times_.size());
-    a.table(column.path, column.values, column.width, column.label);
-  }
+  for (std::vector<Column>* group : {&columns_, &energy_, &sensor_})
+    for (Column& column : *group) {
+      if (column.width == 0) continue;
+      column.values.resize(column.width * times_.size());
+      a.table(column.path, column.values, column.width, column.label);
+    }
 }
 
 // Written under another name first, so that a reader opens either the old file or the complete new
@@ -169,7 +195,7 @@ void PassageHistories::write(const par::Comm& comm, const std::string& path, con
   std::vector<double> sleeper_x, rail_x;
   for (const std::size_t i : sleepers_)
     sleeper_x.insert(sleeper_x.end(), line_.sides(), line_.sleeper_x(i));
-  for (const double x : points_) rail_x.insert(rail_x.end(), line_.sides(), x);
+  for (const double x : recorded_.points) rail_x.insert(rail_x.end(), line_.sides(), x);
   io::replace_file(comm, path, [&](const std::string& part) {
     io::File file(comm, part, io::Mode::create);
     put_origin(comm, file, about);

@@ -1,6 +1,7 @@
 // Histories of stones and surfaces that a deck places by name: the values that a row adds to the
 // columns.
 #include "observe/column_writer.hpp"
+#include "observe/impl.hpp"
 
 namespace trackbed::observe {
 

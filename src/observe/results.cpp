@@ -133,7 +133,7 @@ void Results::sample(const Scene& scene, const Instant& instant) {
   Impl& impl = *impl_;
   impl.times.push_back(instant.time);
   impl.stages.push_back(instant.stage);
-  if (scene.stones && impl.records("energy")) impl.sample_energy(scene, instant.placed != nullptr);
+  if (impl.records("energy")) impl.sample_energies(scene, instant.placed != nullptr);
   if (!instant.seat_force.empty() && impl.records("sleeper"))
     impl.sample_sleepers(scene.sleepers, instant.seat_force);
   if (scene.ground && impl.records("ground")) impl.sample_ground(*scene.ground);
@@ -148,7 +148,7 @@ void Results::sample(const Scene& scene, const Instant& instant) {
   if (instant.solids && impl.records("solid")) impl.sample_solids(*instant.solids);
   if (instant.placed && impl.records("stone")) impl.sample_placed(*instant.placed);
   if (impl.records("region")) impl.sample_regions(scene.particles);
-  if (impl.records("sensor")) impl.sample_sensors(instant.sensors);
+  if (impl.records("sensor")) put_readings(impl.recorded.sensors, instant.sensors, impl.sensor);
   ++impl.rows;
   if (impl.times.size() >= rows_in_memory) flush();
 }
@@ -309,9 +309,11 @@ void Results::Impl::append_to(io::File& file) {
     for (Column& column : *group) column.last.swap(column.values), column.values.clear();
 }
 
-void Results::Impl::sample_energy(const Scene& scene, bool placed_stones) {
-  const dem::Totals totals = scene.particles.totals();
+void Results::Impl::sample_energies(const Scene& scene, bool placed_stones) {
   ColumnWriter to(energy);
+  if (scene.ground) put_energies(scene.ground->energies(), to);
+  if (!scene.stones) return;
+  const dem::Totals totals = scene.particles.totals();
   to.put("history/energy/kinetic", {"J", "of the stones"}, totals.kinetic);
   to.put("history/energy/potential", {"J", "of the stones, zero at z = 0"}, totals.potential);
   to.put("history/energy/elastic", {"J", "of the stones' contacts"}, totals.elastic);

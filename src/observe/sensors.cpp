@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "observe/column_writer.hpp"
+#include "observe/impl.hpp"
 #include "observe/sums.hpp"
 #include "trackbed/core/error.hpp"
 
@@ -160,8 +161,8 @@ std::vector<std::string> Sensors::begin_stage(const std::string& stage, bool usu
   return warnings;
 }
 
-std::vector<SensorReading> Sensors::read(const dem::Particles& particles,
-                                         const fem::Ground* ground) const {
+// Of the stones of each sensor, in the order of `OfSensor`.
+std::vector<double> Sensors::sums_over(const dem::Particles& particles) const {
   Sums sums(OfSensor::quantities);
   const auto add = [&](std::size_t sensor, const dem::ParticleView& stone, const Vec3& from) {
     const Vec3 moved = stone.position - from;
@@ -186,18 +187,26 @@ std::vector<SensorReading> Sensors::read(const dem::Particles& particles,
       }
     }
   }
-  const std::vector<double> totals = sums.over_ranks(comm_, sensors_.size());
+  return sums.over_ranks(comm_, sensors_.size());
+}
+
+std::vector<SensorReading> Sensors::read(const dem::Particles* particles,
+                                         const fem::Ground* ground) const {
+  std::vector<double> of_stones;
+  if (particles) of_stones = sums_over(*particles);
   std::vector<fem::GroundPointState> states;
   if (ground) states = ground->states_at(points_);
   std::vector<SensorReading> readings;
   for (std::size_t k = 0, point = 0; k < sensors_.size(); ++k) {
-    readings.push_back(means_of(&totals[k * OfSensor::quantities]));
-    if (sensors_[k].kind != SensorKind::ground) continue;
+    if (sensors_[k].kind != SensorKind::ground) {
+      readings.push_back(means_of(&of_stones[k * OfSensor::quantities]));
+      continue;
+    }
     const fem::GroundPointState& state = states.at(point++);
-    readings.back() = {.displacement = state.displacement,
-                       .velocity = state.velocity,
-                       .acceleration = state.acceleration,
-                       .stress = state.stress};
+    readings.push_back({.displacement = state.displacement,
+                        .velocity = state.velocity,
+                        .acceleration = state.acceleration,
+                        .stress = state.stress});
   }
   return readings;
 }
@@ -217,12 +226,13 @@ void Sensors::archive(io::Archive& a) {
 }
 
 // Columns of the motion, x y z each; of a sensor that stays no displacement.
-void Results::Impl::sample_sensors(std::span<const SensorReading> readings) {
-  ColumnWriter to(sensor);
+void put_readings(const std::vector<Sensor>& sensors, std::span<const SensorReading> readings,
+                  std::vector<Column>& columns) {
+  ColumnWriter to(columns);
   for (std::size_t k = 0; k < readings.size(); ++k) {
-    const SensorKind kind = recorded.sensors[k].kind;
+    const SensorKind kind = sensors[k].kind;
     const SensorReading& reading = readings[k];
-    const std::string group = "history/sensor/" + recorded.sensors[k].name + "/";
+    const std::string group = "history/sensor/" + sensors[k].name + "/";
     const bool in_ground = kind == SensorKind::ground;
     const std::string of = in_ground ? "of the ground" : "mean of the stones of the sensor";
     if (!in_ground) {

@@ -4,6 +4,7 @@ footing, bitwise identity on any number of ranks and after a stop, balances.
 
     track_on_ground.py PROGRAM DECK NETIRAIL_DECK FOLDER
 """
+import json
 import pathlib
 import shutil
 import sys
@@ -48,6 +49,8 @@ REFUSED = {
     "bed.height=0.3": "bed is not a section",
     "seat.before=5": "seat is not a section",
     "model=track": "ground is not a section",
+    "sensor=[{name='out',kind='ground',at=[0,0,0.5]}]": "sensor[0].at",
+    "sensor=[{name='stone',at=[1,1,0.5]}]": 'must be "ground": the model has no stones',
 }
 # What `check` says of decks that it takes.
 WARNED = {"footing.width=0.7":
@@ -83,6 +86,12 @@ ALIKE = 1e-7
 SOLVED = 1e-6
 
 
+# Below the third sleeper, at the top and in depth.
+SENSORS = ("sensor=[{name='top',kind='ground',at=[1.2,0.9,0]},"
+           "{name='deep',kind='ground',at=[1.2,0.9,-0.6]}]")
+FIELDS = ["output.fields=true", "output.fields_interval=0.03"]
+
+
 def facts(of):
     return of["track"], of["ground"]["state_hash"], of["ground"]["steps"], of["energy"]
 
@@ -115,7 +124,7 @@ def check_refusals(program, deck):
 def check_ranks(program, deck, folder):
     for ranks in some((1, 3), (1, 2, 3, 4)):
         place = folder / f"ranks_{ranks}"
-        program.done(ranks, "run", deck, "-o", place)
+        program.done(ranks, "run", deck, SENSORS, "-o", place)
         check_balance(place, f"{ranks} ranks")
         same_bits(folder / "ranks_1", place, f"{ranks} ranks", facts)
     found = datasets(folder / "ranks_1")
@@ -129,12 +138,58 @@ def check_ranks(program, deck, folder):
                          f"{energy}")
 
 
+def check_histories(folder):
+    """Energies end with those of the summary and follow the work; sensors see the ground move
+    below a sleeper, less in depth."""
+    found = datasets(folder / "ranks_1")
+    stated = summary(folder / "ranks_1")["energy"]
+    for name in ("track", "given_to_ground", "ground_kinetic", "ground_elastic"):
+        if found[f"history/energy/{name}"][-1] != stated[f"{name}_j"]:
+            raise SystemExit(f"energy {name} ends with {found[f'history/energy/{name}'][-1]}, "
+                             f"the summary has {stated[f'{name}_j']}")
+    held = found["history/energy/ground_kinetic"] + found["history/energy/ground_elastic"]
+    if np.any(held > found["history/energy/given_to_ground"] * (1 + BALANCE) + BALANCE):
+        raise SystemExit("the ground has more energy than the track has given to it")
+    top, deep = (-found[f"history/sensor/{name}/displacement"][:, 2].min()
+                 for name in ("top", "deep"))
+    below = -found["history/ground/displacement"].min()
+    if not 0.1 * below < deep < top < 1.5 * below:
+        raise SystemExit(f"sensors: {top} m at the top, {deep} m in depth, {below} m on average "
+                         "below a sleeper")
+    if found["history/sensor/top/stress"][:, 2].min() > -1e3:
+        raise SystemExit("the stress below a sleeper must be compression")
+
+
+def check_fields(program, deck, folder):
+    """Rails, sleepers, wheels and ground at each instant; the shapes contain the displacements.
+    On two ranks the root writes the track."""
+    for ranks, words in some([(2, TWO_RAILS)], [(1, []), (2, TWO_RAILS)]):
+        place = folder / f"fields_{ranks}"
+        program.done(ranks, "run", deck, *FIELDS, *words, "-o", place)
+        for kind in ("ground", "surfaces", "train"):
+            series = json.loads((place / f"fields/{kind}.vtkhdf.series").read_text("utf-8"))
+            times = [entry["time"] for entry in series["files"]]
+            if not np.allclose(times, [0.03, 0.06, 0.09]):
+                raise SystemExit(f"{kind}: fields at {times} s")
+        train, sleepers = (datasets(place / f"fields/passage_000150_{kind}.vtkhdf")
+                           for kind in ("train", "surfaces"))
+        force = train["VTKHDF/CellData/force"][train["VTKHDF/CellData/wheel"] >= 0]
+        if not np.array_equal(np.ravel(datasets(place)["history/wheel/force"][-1]), force):
+            raise SystemExit(f"the wheels' forces are {force} N in their field")
+        lowest = sleepers["VTKHDF/PointData/displacement"][:, 2].min()
+        z = sleepers["VTKHDF/Points"][:, 2]
+        if not (lowest < -1e-5 and np.isclose(z.min(), lowest, rtol=1e-6)):
+            raise SystemExit(f"the lowest sleeper is {z.min()} m, displaced by {lowest} m")
+        if len(z) != 8 * 21 or len(sleepers["VTKHDF/CellData/surface"]) != 6 * 21:
+            raise SystemExit("a sleeper has 8 corners and 6 faces")
+
+
 def check_resume(program, deck, folder):
     steps = summary(folder / "ranks_1")["windows"]
     middle = (steps // 2 + 3, 3, 1)
     for stop, before, after in some([middle], [(1, 2, 3), middle, (steps - 1, 1, 2)]):
         place = folder / f"stopped_{stop}"
-        program.done(before, "run", deck, f"output.stop_after={stop}", "-o", place, code=3)
+        program.done(before, "run", deck, SENSORS, f"output.stop_after={stop}", "-o", place, code=3)
         program.done(after, "resume", place)
         same_bits(folder / "ranks_1", place, f"stopped after {stop} steps", facts)
     ran = program(1, "resume", place, "ground.layer.soil.young=70e6", "-o", folder / "other")
@@ -349,6 +404,8 @@ def main():
     folder.mkdir(parents=True)
     check_refusals(program, deck)
     check_ranks(program, deck, folder)
+    check_histories(folder)
+    check_fields(program, deck, folder)
     check_resume(program, deck, folder)
     check_implicit(program, deck, folder)
     check_unused_options(program, deck, folder)

@@ -172,12 +172,15 @@ struct MeshReport {
 };
 MeshReport look_at_mesh(const GroundParameters& parameters);
 
-struct GroundTotals {
+// J, over all ranks: of the motion since static equilibrium; dissipated by yielding up to now.
+struct GroundEnergies {
+  double kinetic = 0, elastic = 0, plastic = 0;
+};
+
+struct GroundTotals : GroundEnergies {
   std::int64_t elements = 0, nodes = 0, unknowns = 0, steps = 0;
   double iterations_mean = 0, seconds = 0;  // of the linear solver; wall time of steps on this rank
-  double kinetic = 0, elastic = 0;          // J over all ranks
   bool springs = false;                     // whether a viscous base has springs
-  double plastic = 0;                       // J dissipated by yielding, over all ranks
   // Newton iterations in implicit steps of a yielding ground: mean and maximum per step, and the
   // out-of-balance force of the last step after each iteration.
   double newton_mean = 0, newton_most = 0;
@@ -285,9 +288,10 @@ class Ground {
   void begin_extremes();
   void take_extremes();
   void end_extremes();
-  GroundTotals totals() const;     // collective
-  void time_with(Timers& timers);  // for the parts of Phase::ground
-  std::size_t memory() const;      // bytes on this rank
+  GroundTotals totals() const;      // collective
+  GroundEnergies energies() const;  // collective
+  void time_with(Timers& timers);   // for the parts of Phase::ground
+  std::size_t memory() const;       // bytes on this rank
 
   void save(io::File& file, const std::string& group) const;
   void load(const io::File& file, const std::string& group);

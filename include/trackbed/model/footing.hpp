@@ -7,6 +7,7 @@
 
 #include "trackbed/couple/footprints.hpp"
 #include "trackbed/input/section.hpp"
+#include "trackbed/observe/passage.hpp"
 
 namespace trackbed::model {
 
@@ -26,6 +27,10 @@ struct FootingParameters {
 // its two ballast springs, left before right: the same rectangle with the pressure gradient of the
 // spring's arm.
 std::vector<couple::Rectangle> footprints_of(const Model& model);
+
+// Of a track without stones, for pictures and field files: in the coordinates of its ground, or
+// from x = 0 without one.
+observe::TrackShape shape_of_track(const Model& model);
 
 // model = "track_on_ground": rules that tie track and ground together; other models must have no
 // footing.

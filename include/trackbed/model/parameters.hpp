@@ -90,11 +90,16 @@ struct RunOutput {
   void declare(input::Section& s);
 };
 
-// Of a run in stages.
-struct Output : RunOutput {
-  bool fields = false;         // write fields for ParaView at the end of each stage
+// Of a run with fields for ParaView.
+struct FieldOutput : RunOutput {
+  bool fields = false;         // write them at the end of each stage
   double fields_interval = 0;  // s between them within a stage; 0: only at its end
   std::vector<std::string> fields_parts{observe::field_parts.begin(), observe::field_parts.end()};
+  void declare(input::Section& s);
+};
+
+// Of a run in stages.
+struct Output : FieldOutput {
   std::vector<std::string> histories{observe::history_parts.begin(), observe::history_parts.end()};
   bool ground_extremes = false;  // keep extremes of the ground's stress over each stage
   double surface_cell = 0.05;    // m, of the heights of the bed at the end of each stage

@@ -9,6 +9,7 @@
 #include "trackbed/model/course.hpp"
 #include "trackbed/model/log.hpp"
 #include "trackbed/model/parameters.hpp"
+#include "trackbed/observe/results.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::model {
@@ -29,6 +30,9 @@ struct RunContext {
   // A warning of the run: printed at once, stored in checkpoints and repeated in summary.json.
   // Local, but the same on all ranks.
   void warn(const std::string& sentence);
+  // Fields of the present instant, named `name`; `parts` must outlive them.
+  observe::FieldFiles field_files(const std::string& name,
+                                  const std::vector<std::string>& parts) const;
   // s of wall time before the end of the batch job at which the run stops, to write a checkpoint.
   double reserve = 60;
 

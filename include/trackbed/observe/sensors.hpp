@@ -54,8 +54,8 @@ class Sensors {
   // Returns a warning for each sensor without stones.
   std::vector<std::string> begin_stage(const std::string& stage, bool usual,
                                        const dem::Particles& particles);
-  // `ground`: null if there is none. In the order of the deck.
-  std::vector<SensorReading> read(const dem::Particles& particles, const fem::Ground* ground) const;
+  // A null pointer is a part that the model does not have. In the order of the deck.
+  std::vector<SensorReading> read(const dem::Particles* particles, const fem::Ground* ground) const;
   bool empty() const { return sensors_.empty(); }
   void archive(io::Archive& a);  // stones chosen
 
@@ -65,13 +65,14 @@ class Sensors {
     Id id = 0;
     Vec3 from = Vec3::Zero();
   };
+  std::vector<double> sums_over(const dem::Particles& particles) const;
   std::vector<Followed> of_all_ranks(const std::vector<Followed>& mine) const;
   std::vector<Followed> nearest(const Sensor& sensor, const dem::Particles& particles) const;
   std::vector<Followed> within(const Sensor& sensor, const dem::Particles& particles) const;
 
   par::Comm comm_;
   const std::vector<Sensor>& sensors_;
-  double gravity_;                               // m/s^2
+  double gravity_;                               // m/s^2, of stones
   std::vector<std::vector<Followed>> followed_;  // of each sensor, by id
   std::vector<fem::GroundPoint> points_;         // of those of the ground, in the order of the deck
 };

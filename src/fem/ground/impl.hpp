@@ -95,7 +95,7 @@ struct Ground::Impl {
   void publish();          // ghosts of u current, surface motion of this window
   void show_motion();      // makes ghosts current if the surface depends on them
   void refresh_surface();  // positions from the state, no motion
-  void add_energies(GroundTotals& totals) const;
+  GroundEnergies energies() const;
   Vec3 vector(const Nodal& values, std::int32_t node) const;
   Vec3 at_top(const Nodal& values, std::int32_t node) const;  // as the surface shows them
   Vec3 shown_displacement(std::int32_t node) const;

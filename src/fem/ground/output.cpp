@@ -132,7 +132,8 @@ double Ground::top_mass(std::int32_t number) const {
 
 // Of the motion since static equilibrium: 1/2 v M v and 1/2 u K u with the springs. Over own nodes:
 // each counts once.
-void Ground::Impl::add_energies(GroundTotals& totals) const {
+GroundEnergies Ground::Impl::energies() const {
+  GroundEnergies total;
   Nodal force(components(), mesh.nodes());
   stiffness.apply(state.displacement, force);
   for (const Spring& s : terms.springs)
@@ -148,16 +149,19 @@ void Ground::Impl::add_energies(GroundTotals& totals) const {
   if (plasticity) {
     for (const double stored : plasticity->stored(state.static_displacement, state.displacement))
       elastic.push_back(stored);
-    totals.plastic = sum_of(mesh.comm, plasticity->dissipated());
+    total.plastic = sum_of(mesh.comm, plasticity->dissipated());
   }
-  totals.kinetic = sum_of(mesh.comm, kinetic);
-  totals.elastic = sum_of(mesh.comm, elastic);
+  total.kinetic = sum_of(mesh.comm, kinetic);
+  total.elastic = sum_of(mesh.comm, elastic);
+  return total;
 }
+
+GroundEnergies Ground::energies() const { return impl_->energies(); }
 
 GroundTotals Ground::totals() const {
   const Impl& impl = *impl_;
   const Mesh& mesh = impl.mesh;
-  GroundTotals totals;
+  GroundTotals totals{impl.energies()};
   totals.elements = mesh.element_count();
   totals.nodes = mesh.node_count();
   totals.steps = impl.steps;
@@ -171,7 +175,6 @@ GroundTotals Ground::totals() const {
   totals.newton_most = static_cast<double>(impl.most_newton_iterations);
   totals.lagging_steps = impl.lagging_steps;
   totals.newton_residuals = impl.newton_residuals;
-  impl.add_energies(totals);
   totals.springs = mesh.comm.max(impl.terms.springs.empty() ? 0.0 : 1.0) > 0;
   std::int64_t unknowns = 0;
   for (const std::int32_t n : mesh.own)

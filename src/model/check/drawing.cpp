@@ -13,7 +13,7 @@ namespace trackbed::model {
 namespace {
 
 // m, of parts that have no size in the deck, or no height in a side view.
-constexpr double drawn_height = 0.2, drawn_width = 0.26, spring_height = 0.3;
+constexpr double spring_width = 0.26, spring_height = 0.3;
 constexpr double body_floor = 1.0, body_top = 3.4, body_overhang = 1.5;
 constexpr Paint ballast{.fill = "#8c8c8c", .line = "#555", .opacity = 0.45};
 constexpr Paint block{.fill = "#a9c9a4", .line = "#4f7a4a"};
@@ -98,7 +98,7 @@ void draw_spring(double x, double from, double to, Picture& picture) {
     points.push_back(
         {x + aside[k], from + (to - from) * static_cast<double>(k) / (std::size(aside) - 1)});
   picture.line(std::move(points), thin);
-  picture.line({{x - drawn_width / 2, from}, {x + drawn_width / 2, from}}, thin);
+  picture.line({{x - spring_width / 2, from}, {x + spring_width / 2, from}}, thin);
 }
 
 // Where a track is in the model. `count` sleepers, the first of them number `first`, lie on stones
@@ -249,13 +249,12 @@ std::string drawing_of(const Model& model, const std::vector<bed::PlacedShape>& 
     if (model.uses_sleepers()) draw_sleepers(model, picture);
   }
   if (!model.has_stages()) {
-    const FootingParameters& f = model.footing;
-    const auto before = static_cast<std::size_t>(f.before);
     const bool ground = model.kind == ModelKind::track_on_ground;
-    const double origin = ground ? f.first - model.track.line.track.sleeper_x(before) : 0;
+    const observe::TrackShape shape = shape_of_track(model);
     draw_track(model,
-               {origin, spring_height, drawn_width, drawn_height, before,
-                ground ? static_cast<std::size_t>(f.count) : 0},
+               {shape.origin, spring_height, shape.width, shape.height,
+                static_cast<std::size_t>(model.footing.before),
+                ground ? static_cast<std::size_t>(model.footing.count) : 0},
                picture);
     if (ground) picture.note("Springs of the ballast between sleepers and ground are not drawn.");
   }

@@ -310,8 +310,7 @@ Json GroundBelow::balance() const {
 
 // Passage::track_energy assumes a rigid ground: k u^2/2 of a spring instead of k (u - g)^2/2, which
 // is larger by g (k (g - u) - k g/2). Stops include the motion of the ground.
-Json GroundBelow::energies(const track::Passage& passage) const {
-  const fem::GroundTotals totals = ground_.totals();
+observe::PassageEnergies GroundBelow::energies(const track::Passage& passage) const {
   const track::Newmark& motion = passage.line_motion();
   const track::Vector still = track::Vector::Zero(motion.velocity.size());
   const track::Line& line = passage.line();
@@ -323,10 +322,7 @@ Json GroundBelow::energies(const track::Passage& passage) const {
         line.ground_force(sleeper(i), motion.displacement, still, {.height = mean_[i]}, side);
     track += mean_[i] * (spring - line.ground_spring(sleeper(i), side)[0] * mean_[i] / 2);
   }
-  return {{"track_j", rails_ * track},
-          {"given_to_ground_j", work_},
-          {"ground_kinetic_j", totals.kinetic},
-          {"ground_elastic_j", totals.elastic}};
+  return {.track = rails_ * track, .given_to_ground = work_, .ground = ground_.energies()};
 }
 
 // Hashes of nodes are added, so that order and ranks do not matter; 40 bits each, so that no sum

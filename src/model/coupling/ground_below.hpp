@@ -14,6 +14,7 @@
 #include "trackbed/fem/ground.hpp"
 #include "trackbed/io/archive.hpp"
 #include "trackbed/model/parameters.hpp"
+#include "trackbed/observe/passage.hpp"
 #include "trackbed/par/comm.hpp"
 #include "trackbed/track/passage.hpp"
 
@@ -31,6 +32,8 @@ class GroundBelow {
   std::size_t footprints() const { return footprints_.count(); }
   // One step of both. Collective; throws as Passage::advance.
   void advance(track::Passage& passage);
+  fem::Ground& ground() { return ground_; }
+  const fem::Ground& ground() const { return ground_; }
   std::string trouble() const { return ground_.trouble(); }  // of this rank, or empty
 
   // Wall time in track, ground and coupling is added to `timers` from now on.
@@ -38,8 +41,7 @@ class GroundBelow {
   // For summary.json. Collective.
   nlohmann::ordered_json figures() const;  // of the ground itself
   nlohmann::ordered_json balance() const;  // largest relative imbalance of any step; of all work
-  // J, of the ground and of all the rails above it; the springs between them count to the rails.
-  nlohmann::ordered_json energies(const track::Passage& passage) const;
+  observe::PassageEnergies energies(const track::Passage& passage) const;  // collective
   std::uint64_t state_hash() const;  // of the motion of the top; the same on any number of ranks
 
   void archive(io::Archive& a);

@@ -260,6 +260,23 @@ void FootingParameters::declare(input::Section& s) {
       "the load of one rail.");
 }
 
+// On a ground the sleepers are as large as the areas that they load. Without one, sleepers that do
+// not bend have the default width and height of those that do.
+observe::TrackShape shape_of_track(const Model& model) {
+  const track::TrackParameters& track = model.track.line.track;
+  observe::TrackShape shape{.width = track.sleeper.width,
+                            .height = track.sleeper.height,
+                            .length = track.sleeper_length,
+                            .wheel_radius = model.track.wheel_rail.bodies.wheel_radius};
+  if (model.kind != ModelKind::track_on_ground) return shape;
+  const couple::Rectangle area = footprints_of(model).front();
+  shape.origin =
+      model.footing.first - track.sleeper_x(static_cast<std::size_t>(model.footing.before));
+  shape.y = area.middle_y(), shape.width = model.footing.width;
+  shape.length = area.y[1] - area.y[0];
+  return shape;
+}
+
 // The surface of a plane model is as wide as its thickness. A linear pressure across the footprint
 // has the force of a spring at the distance `arm` if its relative gradient is 12 arm/length^2. If
 // the length is that of the sleeper, both springs together give the pressure of ballast below a

@@ -33,6 +33,15 @@ constexpr double margin_beside_floor = 0.25;  // m
 // axial strain a bed of twice that height widens by about a fifth.
 constexpr double margin_for_walls = 0.5;
 
+// The values of a list are some of those known.
+void declare_only(const char* key, const std::vector<std::string>& given, const auto& known,
+                  input::Section& s) {
+  const bool all = std::all_of(given.begin(), given.end(), [&](const std::string& part) {
+    return std::find(known.begin(), known.end(), part) != known.end();
+  });
+  s.rule(key, all, fmt::format("may contain only {}", fmt::join(known, ", ")));
+}
+
 }  // namespace
 
 // 0 means chosen by the program: most decks need no values here.
@@ -86,35 +95,36 @@ void RunOutput::declare(input::Section& s) {
             "are counted from the start of the run, also after a resume; 0: no limit.");
 }
 
-void Output::declare(input::Section& s) {
+void FieldOutput::declare(input::Section& s) {
   RunOutput::declare(s);
-  s.flag("fields", fields, "Whether fields for ParaView are written at the end of each stage.");
+  const auto free = s.free_to_change();
+  s.flag("fields", fields,
+         "Whether fields for ParaView are written at the end of each stage, or of the passage of a "
+         "track.");
   s.number(
       "fields_interval", fields_interval, {.unit = "s", .at_least = 0},
       "Simulated time between fields within a stage; 0: only at its end. Needs fields = true.");
   s.rule("fields_interval", fields_interval == 0 || fields, "has no effect without fields = true",
          {.severity = input::Severity::warning, .reads = {"fields", "fields_interval"}});
-  s.texts(
-      "fields_parts", fields_parts,
-      "Parts of the model whose fields are written: any of stones, contacts, ground, solids, "
-      "surfaces (sleepers, walls, plates, boxes, platen) and train (rail and wheels over a bed). "
-      "Needs fields = true.");
-  const auto only = [&](const char* key, const std::vector<std::string>& given, const auto& known) {
-    const bool all = std::all_of(given.begin(), given.end(), [&](const std::string& part) {
-      return std::find(known.begin(), known.end(), part) != known.end();
-    });
-    s.rule(key, all, fmt::format("may contain only {}", fmt::join(known, ", ")));
-  };
-  only("fields_parts", fields_parts, observe::field_parts);
-  s.rule("fields_parts", fields || fields_parts == Output{}.fields_parts,
+  s.texts("fields_parts", fields_parts,
+          "Parts of the model whose fields are written: any of stones, contacts, bonds, ground, "
+          "solids, "
+          "surfaces (sleepers, walls, plates, boxes, platen) and train (rails and wheels). Needs "
+          "fields = true.");
+  declare_only("fields_parts", fields_parts, observe::field_parts, s);
+  s.rule("fields_parts", fields || fields_parts == FieldOutput{}.fields_parts,
          "has no effect without fields = true",
          {.severity = input::Severity::warning, .reads = {"fields", "fields_parts"}});
+}
+
+void Output::declare(input::Section& s) {
+  FieldOutput::declare(s);
   s.texts("histories", histories,
           "Parts of the model whose histories are written: any of energy, sleeper, ground, region, "
           "wall, platen, train (wheels, rail, vehicles, seats), solid (solid sleepers), sensor and "
           "stone (placed stones, plates and boxes). If sleeper or ground is left out, its "
           "envelopes are not written either.");
-  only("histories", histories, observe::history_parts);
+  declare_only("histories", histories, observe::history_parts, s);
   s.flag("ground_extremes", ground_extremes,
          "Whether the ground's fields include running extremes of the element stresses, updated at "
          "each history row and field file while the ground moves. If a resume within a stage "
@@ -135,7 +145,7 @@ void Model::set_kind(ModelKind given) {
 // A track alone.
 void Model::declare_passage(input::Section& s) {
   track.declare(s);
-  s.table("output", static_cast<RunOutput&>(output), output_meaning);
+  s.table("output", static_cast<FieldOutput&>(output), output_meaning);
   const double step = track.passage.step, interval = output.history_interval;
   s.rule("output.history_interval", track.on_ground || interval == 0 || interval >= step,
          "is less than a time step (passage.step): a row is then written after every step",
@@ -148,7 +158,9 @@ void Model::declare_on_ground(input::Section& s) {
   s.table("ground", ground, "The continuum below the bed.");
   declare_passage(s);
   s.table("footing", footing, footing_meaning);
+  s.tables("sensor", sensors, sensor_meaning);
   declare_footing(*this, s);
+  declare_sensors(*this, s);
 }
 
 // Space, ground and its loads; stages, steps and output as of a bed.

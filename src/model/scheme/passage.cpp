@@ -97,9 +97,15 @@ PassageScheme::PassageScheme(RunContext& run)
     : run_(run),
       whole_(run.comm, run.model),
       built_(whole_.track, whole_.line),
-      histories_(built_.line, built_.train, whole_.track.passage.points,
-                 whole_.track.passage.forces.size()) {
-  if (whole_.below) whole_.below->time_with(run.timers);
+      sensors_(run.comm, run.model.sensors, run.model.dem.gravity),
+      histories_(built_.line, built_.train,
+                 {.points = whole_.track.passage.points,
+                  .forces = whole_.track.passage.forces.size(),
+                  .sensors = run.model.sensors}) {
+  if (whole_.below) {
+    whole_.below->time_with(run.timers);
+    sensors_.locate(whole_.below->ground());
+  }
   say(run.comm, fmt::format("trackbed: {} on {}{}", run.name, ranks_in_words(run.comm),
                             run.comm.size() == 1 ? ""
                             : whole_.below       ? "; the ground is distributed over them"
@@ -115,7 +121,7 @@ Clock PassageScheme::clock() const {
 bool PassageScheme::begin_stage() {
   run_.course.clock = clock();
   run_.course.steps = {.window = clock().dt(), .substeps = 1, .limit = ""};
-  histories_.sample(built_.passage);
+  sample();
   record_step();
   return true;
 }
@@ -134,10 +140,34 @@ std::string PassageScheme::problem() { return whole_.below ? whole_.below->troub
 
 // Rows are counted in steps from the start: a resumed run has them at the same steps.
 void PassageScheme::record() {
-  const auto timing = run_.timers.scope(Phase::observe);
-  record_step();
-  const std::int64_t between = run_.windows_in(run_.model.output.history_interval);
-  if (run_.course.clock.window() % between == 0) histories_.sample(built_.passage);
+  {
+    const auto timing = run_.timers.scope(Phase::observe);
+    record_step();
+    const std::int64_t between = run_.windows_in(run_.model.output.history_interval);
+    if (run_.course.clock.window() % between == 0) sample();
+  }
+  if (run_.model.output.fields && run_.ends(run_.model.output.fields_interval)) write_fields();
+}
+
+void PassageScheme::sample() {
+  std::vector<observe::SensorReading> readings;
+  if (!sensors_.empty()) readings = sensors_.read(nullptr, &whole_.below->ground());
+  histories_.sample(built_.passage, energies(), readings);
+}
+
+// A track alone has the modelled rails only.
+observe::PassageEnergies PassageScheme::energies() const {
+  if (whole_.below) return whole_.below->energies(built_.passage);
+  return {.track = built_.passage.track_energy()};
+}
+
+void PassageScheme::write_fields() {
+  const auto timing = run_.timers.scope(Phase::output);
+  observe::write_fields(run_.comm,
+                        run_.field_files(fmt::format("{}_{:06d}", stage(), built_.passage.steps()),
+                                         run_.model.output.fields_parts),
+                        built_.passage, built_.train, shape_of_track(run_.model),
+                        whole_.below ? &whole_.below->ground() : nullptr);
 }
 
 // In every step, so that extremes do not depend on the interval of the histories. Wheels on the
@@ -159,6 +189,7 @@ Status PassageScheme::status() {
 }
 
 void PassageScheme::end_stage() {
+  if (run_.model.output.fields) write_fields();
   const auto timing = run_.timers.scope(Phase::output);
   flush();
   print_results(run_.comm, whole_.track, built_, wheels_, histories_.lowest());
@@ -185,11 +216,14 @@ std::vector<std::string> PassageScheme::warnings_at_end() {
 
 void PassageScheme::summarize(Json& summary) {
   summary["track"] = figures(whole_.track, built_, wheels_, histories_.lowest());
-  summary["energy"] = {{"track_j", built_.passage.track_energy()}};
+  const observe::PassageEnergies energies = this->energies();
+  summary["energy"] = {{"track_j", energies.track}};
   if (!whole_.below) return;
   summary["ground"] = whole_.below->figures();
   summary["coupling"] = whole_.below->balance();
-  summary["energy"] = whole_.below->energies(built_.passage);
+  summary["energy"]["given_to_ground_j"] = energies.given_to_ground;
+  summary["energy"]["ground_kinetic_j"] = energies.ground.kinetic;
+  summary["energy"]["ground_elastic_j"] = energies.ground.elastic;
 }
 
 // The duration may have changed.

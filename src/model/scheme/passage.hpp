@@ -41,10 +41,14 @@ class PassageScheme final : public Scheme {
  private:
   Clock clock() const;  // at the start
   void record_step();
+  void sample();
+  void write_fields();
+  observe::PassageEnergies energies() const;
 
   RunContext& run_;
   TrackAssembly whole_;
   BuiltTrack built_;
+  observe::Sensors sensors_;  // in the ground
   observe::PassageHistories histories_;
   WheelExtremes wheels_;
 };

@@ -63,14 +63,8 @@ void StagedScheme::write_fields(const std::string& name, const std::vector<std::
     view.emplace(observe::TrainView{*train.running, train.rails,
                                     model_.track.wheel_rail.bodies.wheel_radius,
                                     model_.sleepers.gauge});
-  observe::write_fields(
-      comm_,
-      {.folder = run_.folder + "/fields",
-       .name = name,
-       .time = run_.course.clock.time(),
-       .parts = parts,
-       .origin = {{"title", model_.title}, {"version", version()}, {"build", build_description()}}},
-      world_.scene(), view ? &*view : nullptr);
+  observe::write_fields(comm_, run_.field_files(name, parts), world_.scene(),
+                        view ? &*view : nullptr);
 }
 
 // A fixed ground has no extremes.
@@ -108,8 +102,9 @@ void StagedScheme::sample() {
       world_.placement ? world_.placement->instant(world_.particles, run_.course.clock.time())
                        : observe::PlacedInstant{};
   const std::vector<observe::SensorReading> sensors =
-      sensors_.empty() ? std::vector<observe::SensorReading>{}
-                       : sensors_.read(world_.particles, world_.ground ? &*world_.ground : nullptr);
+      sensors_.empty()
+          ? std::vector<observe::SensorReading>{}
+          : sensors_.read(&world_.particles, world_.ground ? &*world_.ground : nullptr);
   results_.sample(world_.scene(), {.time = run_.course.clock.time(),
                                    .stage = static_cast<std::int64_t>(run_.course.stage),
                                    .seat_force = seat_force_,

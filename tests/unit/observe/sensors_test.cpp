@@ -76,12 +76,12 @@ TEST_F(Sensors, FollowTheNearestStone) {
   const dem::NewParticle& stone = Balls::at(balls.all, 2, 1, 3);
   list = {sensor(SensorKind::stones, stone.position + Vec3(0.02, -0.01, 0.03), 0)};
   observe::Sensors sensors(comm, list, gravity);
-  EXPECT_EQ(sensors.read(balls.particles, nullptr)[0].stones, 0) << "none is chosen yet";
+  EXPECT_EQ(sensors.read(&balls.particles, nullptr)[0].stones, 0) << "none is chosen yet";
   sensors.begin_stage("other", false, balls.particles);
-  EXPECT_EQ(sensors.read(balls.particles, nullptr)[0].stones, 0);
+  EXPECT_EQ(sensors.read(&balls.particles, nullptr)[0].stones, 0);
   sensors.begin_stage("last", true, balls.particles);
   balls.fall(20);
-  const observe::SensorReading reading = sensors.read(balls.particles, nullptr)[0];
+  const observe::SensorReading reading = sensors.read(&balls.particles, nullptr)[0];
   EXPECT_EQ(reading.stones, 1);
   const double time = 20 * dt;
   const Vec3 moved = time * stone.velocity - Vec3(0, 0, gravity * time * time / 2);
@@ -98,7 +98,7 @@ TEST_F(Sensors, FollowAllStonesWithinARadius) {
   EXPECT_TRUE(sensors.begin_stage("load", false, balls.particles).empty());
   balls.fall(10);
   sensors.begin_stage("last", true, balls.particles);  // does not choose again
-  const observe::SensorReading reading = sensors.read(balls.particles, nullptr)[0];
+  const observe::SensorReading reading = sensors.read(&balls.particles, nullptr)[0];
   const dem::NewParticle &one = Balls::at(balls.all, 0, 1, 0),
                          &other = Balls::at(balls.all, 7, 1, 0);
   EXPECT_EQ(reading.stones, 2);
@@ -106,7 +106,7 @@ TEST_F(Sensors, FollowAllStonesWithinARadius) {
   EXPECT_NEAR(reading.displacement.x(), 10 * dt * (one.velocity + other.velocity).x() / 2,
               rounding);
   balls.particles.remove([&](const dem::ParticleView& p) { return p.id == one.id; });
-  const observe::SensorReading later = sensors.read(balls.particles, nullptr)[0];
+  const observe::SensorReading later = sensors.read(&balls.particles, nullptr)[0];
   EXPECT_EQ(later.stones, 1) << "a stone was removed";
   EXPECT_NEAR(later.velocity.x(), other.velocity.x(), rounding);
 }
@@ -127,7 +127,7 @@ TEST_F(Sensors, ReadTheAccelerationByContacts) {
   sensors.begin_stage("last", true, one);
   const double mass = 2500 * 4.0 / 3 * M_PI * r * r * r;
   const double expected = 1e4 * 1e-4 / mass - gravity;  // k_n times overlap
-  EXPECT_NEAR(sensors.read(one, nullptr)[0].acceleration.z(), expected, 1e-6 * expected);
+  EXPECT_NEAR(sensors.read(&one, nullptr)[0].acceleration.z(), expected, 1e-6 * expected);
 }
 
 TEST_F(Sensors, SayIfNoStoneIsNear) {
@@ -136,17 +136,17 @@ TEST_F(Sensors, SayIfNoStoneIsNear) {
   const std::vector<std::string> warnings = sensors.begin_stage("last", true, balls.particles);
   ASSERT_EQ(warnings.size(), 1);
   EXPECT_NE(warnings[0].find("within 1e-06 m of [0.1, 0, 0.1] m"), std::string::npos);
-  EXPECT_TRUE(std::isnan(sensors.read(balls.particles, nullptr)[0].displacement.x()));
+  EXPECT_TRUE(std::isnan(sensors.read(&balls.particles, nullptr)[0].displacement.x()));
 }
 
 TEST_F(Sensors, ReadTheStonesThatPassAPlace) {
   const dem::NewParticle& stone = Balls::at(balls.all, 6, 1, 2);
   list = {sensor(SensorKind::place, stone.position + Vec3(0.01, 0, 0), 0.02)};
   observe::Sensors sensors(comm, list, gravity);
-  EXPECT_EQ(sensors.read(balls.particles, nullptr)[0].stones, 1);
-  EXPECT_NEAR(sensors.read(balls.particles, nullptr)[0].velocity.x(), stone.velocity.x(), rounding);
+  EXPECT_EQ(sensors.read(&balls.particles, nullptr)[0].stones, 1);
+  EXPECT_NEAR(sensors.read(&balls.particles, nullptr)[0].velocity.x(), stone.velocity.x(), rounding);
   balls.fall(60);  // 36 mm along x
-  const observe::SensorReading reading = sensors.read(balls.particles, nullptr)[0];
+  const observe::SensorReading reading = sensors.read(&balls.particles, nullptr)[0];
   EXPECT_EQ(reading.stones, 0);
   EXPECT_TRUE(std::isnan(reading.velocity.x()) && std::isnan(reading.position.z()));
 }
@@ -171,8 +171,8 @@ TEST_F(Sensors, GoOnWithTheirStonesAfterACheckpoint) {
   }
   comm.barrier();
   if (comm.root()) std::filesystem::remove(path);
-  const auto one = sensors.read(balls.particles, nullptr)[0],
-             other = resumed.read(balls.particles, nullptr)[0];
+  const auto one = sensors.read(&balls.particles, nullptr)[0],
+             other = resumed.read(&balls.particles, nullptr)[0];
   EXPECT_GT(one.stones, 2);
   EXPECT_EQ(one.stones, other.stones);
   EXPECT_EQ(one.displacement, other.displacement);
@@ -199,7 +199,7 @@ TEST_F(Sensors, InTheGroundReadItsMotion) {
           sensor(SensorKind::ground, other, 0)};
   observe::Sensors sensors(comm, list, gravity);
   sensors.locate(ground);
-  const auto readings = sensors.read(balls.particles, &ground);
+  const auto readings = sensors.read(&balls.particles, &ground);
   const std::vector<Vec3> places{one, other};
   const auto states = ground.states_at(ground.locate(places));
   EXPECT_GT((states[0].displacement - states[1].displacement).norm(), 1e-9);

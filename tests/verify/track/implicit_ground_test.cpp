@@ -127,8 +127,7 @@ void check_energy(const Model& given, double step, int steps, const std::string&
     pair.step();
     const auto now = pair.whole.below->energies(pair.built.passage);
     off = std::max(off, std::abs(pair.energy() - after));
-    in_ground = std::max(
-        in_ground, now["ground_kinetic_j"].get<double>() + now["ground_elastic_j"].get<double>());
+    in_ground = std::max(in_ground, now.ground.kinetic + now.ground.elastic);
   }
   verified::above("largest fraction of the energy in the ground, " + of, "-", in_ground / after,
                   {0.05, "separates: the ground takes part"});

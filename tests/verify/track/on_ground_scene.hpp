@@ -47,10 +47,8 @@ struct Pair {
     for (std::int64_t n = std::llround(time / whole.below->step()); n > 0; --n) step();
   }
   double energy() const {
-    double sum = 0;
-    for (const char* of : {"track_j", "ground_kinetic_j", "ground_elastic_j"})
-      sum += whole.below->energies(built.passage)[of].get<double>();
-    return sum;
+    const observe::PassageEnergies of = whole.below->energies(built.passage);
+    return of.track + of.ground.kinetic + of.ground.elastic;
   }
   TrackAssembly whole;
   BuiltTrack built;

@@ -132,8 +132,7 @@ TEST(TrackOnGround, KeepsEnergyOfBothRails) {
     pair.step();
     const auto of = pair.whole.below->energies(pair.built.passage);
     furthest = std::max(furthest, std::abs(pair.energy() - after));
-    in_ground = std::max(
-        in_ground, of["ground_kinetic_j"].get<double>() + of["ground_elastic_j"].get<double>());
+    in_ground = std::max(in_ground, of.ground.kinetic + of.ground.elastic);
   }
   verified::above("largest fraction of the energy in the ground", "-", in_ground / after,
                   {0.1, "separates: the ground takes part"});
@@ -161,9 +160,9 @@ TEST(TrackOnGround, KeepsEnergyAtTheLongestStep) {
                  mean_energy);
   verified::below("largest energy over the first mean", "-", most / begin, largest_energy);
   const auto of = pair.whole.below->energies(pair.built.passage);
-  const double held = of["ground_kinetic_j"].get<double>() + of["ground_elastic_j"].get<double>();
+  const double held = of.ground.kinetic + of.ground.elastic;
   verified::near("energy of the ground over the work of the ballast on it", "-",
-                 held / of["given_to_ground_j"].get<double>(), 1, ground_energy);
+                 held / of.given_to_ground, 1, ground_energy);
   const auto balance = pair.whole.below->balance();
   for (const char* name : {"force", "moment", "work"})
     verified::below(std::string("largest imbalance of ") + name, "-", balance[name].get<double>(),

@@ -232,9 +232,9 @@ void check_energy(Model m) {
                  mean_energy);
   verified::below("largest energy over the first mean", "-", most / begin, largest_energy);
   const auto of = pair.whole.below->energies(pair.built.passage);
-  const double held = of["ground_kinetic_j"].get<double>() + of["ground_elastic_j"].get<double>();
+  const double held = of.ground.kinetic + of.ground.elastic;
   verified::near("energy of the ground over the work of the ballast on it", "-",
-                 held / of["given_to_ground_j"].get<double>(), 1, ground_energy);
+                 held / of.given_to_ground, 1, ground_energy);
   const auto balance = pair.whole.below->balance();
   for (const char* name : {"force", "moment", "roll_moment", "work"})
     verified::below(std::string("largest imbalance of ") + name, "-", balance[name].get<double>(),
