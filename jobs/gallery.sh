@@ -10,7 +10,7 @@ mkdir -p "$pictures"
 
 # The newest field file of a part: names begin with the stage, in no order of time.
 last_field() {
-  ls -t "$1"/fields/*_"$2".vtkhdf | sed -n 1p
+  ls -t "$1"/fields/*_"$2".hdf | sed -n 1p
 }
 still() {
   local picture=$1 folder=$2 field=$3

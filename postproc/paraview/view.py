@@ -1,10 +1,12 @@
 """All fields of a run in ParaView, as they are meant to be seen: stones and sleepers in their
 shapes, balls as spheres, ground, rail and wheels, with the times of the run.
 
-    pvbatch postproc/paraview/view.py RESULT_DIR VIEW.pvsm [PICTURE.png]
+    pvbatch postproc/paraview/view.py RESULT_DIR VIEW.pvsm [PICTURE.png [TIME]]
 
-writes a state file, which ParaView opens (File > Load State), and a picture of the last instant.
-Without a screen: `xvfb-run -a pvbatch ...`.
+writes a state file, which ParaView opens (File > Load State), and a picture of the instant at TIME
+(s), by default of the last one with a train, or of the last one. Colours have the range of this
+instant. Ground and solids are drawn displaced, as stones touch them. Without a screen: `xvfb-run -a
+pvbatch ...`.
 """
 import pathlib
 import sys
@@ -18,14 +20,19 @@ EYE, UP = (-0.15, -1.0, 0.35), [0.0, 0.0, 1.0]  # from where the model is seen
 COLOURED_BY = {"stones": ("CELLS", "velocity", "m/s"), "ground": ("POINTS", "displacement", "m"),
                "contacts": ("CELLS", "force_size", "N"), "solids": ("POINTS", "displacement", "m")}
 INSIDE = "contacts"  # of the stones: hidden if there are stones
+AT_REST = ("ground", "solids")  # their files have the undisplaced points
 
 
 def color(display, part, view, hidden):
-    """Colours a display by the array of its part, with a bar."""
+    """Colours a display by the array of its part, with a bar and a range of its own. Balls share
+    those of the stones."""
     place, array, unit = COLOURED_BY[part]
-    simple.ColorBy(display, (place, array) if part == "contacts" else (place, array, "Magnitude"))
-    display.RescaleTransferFunctionToDataRangeOverTime()
-    table = simple.GetColorTransferFunction(array)
+    own = part != "stones"
+    display.UseSeparateColorMap = own
+    simple.ColorBy(display, (place, array) if part == "contacts" else (place, array, "Magnitude"),
+                   separate=own)
+    display.RescaleTransferFunctionToDataRange(False, True)
+    table = simple.GetColorTransferFunction(array, display, separate=own)
     table.ApplyPreset("Viridis (matplotlib)", True)
     bar = simple.GetScalarBar(table, view)
     bar.Title, bar.ComponentTitle = f"{part}: {array} ({unit})", ""
@@ -51,10 +58,19 @@ def balls_of(stones, view):
     simple.Hide(points, view)
 
 
-def show(part, path, view, hidden):
-    """Opens the series of one part."""
+def opened(part, path):
+    """The series of one part, displaced if its points are not."""
     source = simple.VTKHDFReader(registrationName=part, FileName=[str(path)])
     source.UpdatePipeline()
+    if part not in AT_REST:
+        return source, source
+    moved = simple.WarpByVector(registrationName=f"{part} displaced", Input=source,
+                                Vectors=["POINTS", "displacement"], ScaleFactor=1.0)
+    return source, moved
+
+
+def show(part, source, view, hidden):
+    """Draws one part at the present time."""
     display = simple.Show(source, view)
     display.Representation = "Surface"
     if part == "stones":
@@ -70,7 +86,6 @@ def show(part, path, view, hidden):
         display.LineWidth = 4
     if hidden:
         simple.Hide(source, view)
-    return source
 
 
 def look_at(source, view):
@@ -83,9 +98,19 @@ def look_at(source, view):
     view.ResetCamera(*bounds)
 
 
-def main(folder, state, picture=None):
+def instant(sources, given):
+    """s: that of the files nearest to the given one; without one the last with a train, if any."""
+    times = sorted({time for one in sources.values() for time in (one.TimestepValues or [])})
+    if not times:
+        return times, None
+    if given is not None:
+        return times, min(times, key=lambda time: abs(time - given))
+    return times, max(sources["train"].TimestepValues) if "train" in sources else times[-1]
+
+
+def main(folder, state, picture=None, time=None):
     fields = pathlib.Path(folder) / "fields"
-    found = sorted(fields.glob("*.vtkhdf.series"))
+    found = sorted(fields.glob("*.hdf.series"))
     if not found:
         sys.exit(f"{fields} contains no fields: run the deck with output.fields=true")
     simple._DisableFirstRenderCameraReset()
@@ -93,24 +118,26 @@ def main(folder, state, picture=None):
     view.UseColorPaletteForBackground = 0
     view.Background = [1, 1, 1]
     view.OrientationAxesVisibility = 1
-    names = [path.name.split(".")[0] for path in found]
-    sources = [show(name, path.resolve(), view, name == INSIDE and "stones" in names)
-               for name, path in zip(names, found)]
+    parts = {path.name.split(".")[0]: opened(path.name.split(".")[0], path.resolve())
+             for path in found}
+    sources = {name: source for name, (source, _) in parts.items()}
     scene = simple.GetAnimationScene()
     scene.UpdateAnimationUsingDataTimeSteps()
-    scene.GoToLast()
+    times, now = instant(sources, time)
+    if now is not None:
+        scene.AnimationTime = view.ViewTime = now
+    for name, (_, drawn) in parts.items():
+        show(name, drawn, view, name == INSIDE and "stones" in parts)
     # The train may be much longer than the bed.
-    parts = dict(zip(names, sources))
-    look_at(parts.get("stones") or parts.get("ground") or sources[0], view)
+    look_at(sources.get("stones") or sources.get("ground") or next(iter(sources.values())), view)
     simple.SaveState(str(state))
     if picture:
         simple.SaveScreenshot(str(picture), view, ImageResolution=SIZE)
-    times = sorted({time for one in sources for time in (one.TimestepValues or [])})
-    print(f"{state}: {', '.join(names)}; {len(times)} times"
+    print(f"{state}: {', '.join(sources)}; {len(times)} times"
           + (f" from {times[0]:g} to {times[-1]:g} s" if times else ""))
 
 
 if __name__ == "__main__":
-    if len(sys.argv) not in (3, 4):
+    if len(sys.argv) not in (3, 4, 5):
         sys.exit(__doc__)
-    main(*sys.argv[1:])
+    main(*sys.argv[1:4], *map(float, sys.argv[4:]))

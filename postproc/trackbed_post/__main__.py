@@ -343,14 +343,14 @@ def parser():
                      help="largest number of pictures, evenly spread over the field files; "
                      f"default: {field_film.FRAMES}")
     one = command("still", draw_still)
-    one.add_argument("sources", nargs="+", metavar="FILE.vtkhdf|RESULT_DIR")
+    one.add_argument("sources", nargs="+", metavar="FILE.hdf|RESULT_DIR")
     one.add_argument("-o", "--output", required=True, metavar="FILE.png")
     of_scene(one)
     one.add_argument("--time", type=finite, metavar="S",
                      help="of RESULT_DIR: the field files of the nearest instant; default: the "
                      "last")
     one = command("map", draw_map)
-    one.add_argument("source", type=pathlib.Path, metavar="RESULT_DIR|FILE.vtkhdf")
+    one.add_argument("source", type=pathlib.Path, metavar="RESULT_DIR|FILE.hdf")
     one.add_argument("--array", help="default: displacement, velocity, force or acceleration, the "
                      "first that the files have")
     one.add_argument("--component", help="draws contours of x, y, z or magnitude of a vector; xx, "

@@ -13,6 +13,7 @@ PLAIN = {"stones": "#a6a6a6", "walls": "#808080", "sleepers": "#8c564b", "bodies
          "rail": "#303030", "wheels": "#d62728", "ground": "#e3d3b0", "solids": "#c49c94",
          "contacts": "#000000", "bonds": "#ff7f0e"}
 OTHER = "#c7a7d1"
+AT_REST = ("ground", "solids")     # parts whose files have points without their displacement
 WALL, SLEEPER = 0, 2               # values of the array `part` of surfaces
 RAIL_HIGH, RAIL_WIDE = 0.172, 0.072  # m, 60E1: height, width of the head
 WHEEL_WIDE = 0.135                 # m
@@ -184,11 +185,26 @@ def with_width(grid):
     return solid
 
 
+def displaced(grid):
+    """Elements where they are, as stones touch them: files have their points at rest."""
+    import vtk
+    if not grid.GetPointData().HasArray("displacement"):
+        return grid
+    warp = vtk.vtkWarpVector()
+    warp.SetInputData(grid)
+    warp.SetInputArrayToProcess(0, 0, 0, vtk.vtkDataObject.FIELD_ASSOCIATION_POINTS,
+                                "displacement")
+    warp.Update()
+    return warp.GetOutput()
+
+
 def pieces_of(part, grid, ends):
     """(name in PLAIN, grid) of the things that a part consists of, in a picture with others, and
     wheels only between the ends, along the track, of these."""
     from vtk.util.numpy_support import vtk_to_numpy
     import numpy as np
+    if part in AT_REST:
+        grid = displaced(grid)
     kinds = {"surfaces": "part", "train": "wheel"}.get(part)
     kind = grid.GetCellData().GetArray(kinds) if kinds else None
     if kind is None:

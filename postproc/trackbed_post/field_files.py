@@ -135,19 +135,19 @@ def change(now: Field, before: Field) -> Field:
 def files_of(path: pathlib.Path | str, parts: collections.abc.Sequence[str]) -> dict[str, Files]:
     """The files of each part in a result folder, or one field file."""
     path = pathlib.Path(path)
-    if path.suffix == ".vtkhdf":
+    if path.suffix == ".hdf":
         part = path.stem.rpartition("_")[2]
         instants = {file.name: time for time, file in read.series(path.parent.parent, part)}
         return {part: [(instants.get(path.name, np.nan), path)]}
     folder = read.folder_of(path)
     if not folder.is_dir():
-        raise read.Unreadable(f"{folder} does not exist; give a result folder or a .vtkhdf file")
-    if not list(folder.glob("fields/*.vtkhdf")):
+        raise read.Unreadable(f"{folder} does not exist; give a result folder or a .hdf file")
+    if not list(folder.glob("fields/*.hdf")):
         raise read.Unreadable(f"{folder} has no field files: run its deck with output.fields=true")
     found = {part: read.series(folder, part) for part in parts}
     if not any(found.values()):
-        there = sorted(file.name.removesuffix(".vtkhdf.series")
-                       for file in folder.glob("fields/*.vtkhdf.series"))
+        there = sorted(file.name.removesuffix(".hdf.series")
+                       for file in folder.glob("fields/*.hdf.series"))
         raise read.Unreadable(f"{folder} has no fields of {', '.join(parts)}, but of "
                               f"{', '.join(there)}: choose with --part, or run its deck with "
                               "these names in output.fields_parts")
@@ -201,7 +201,7 @@ def fields_at(path: pathlib.Path | str, parts: collections.abc.Sequence[str],
 def _earlier(file: pathlib.Path, part: str, since: float, now: float, name: str) -> Field:
     files = read.series(file.parent.parent, part)
     if not files:
-        raise read.Unreadable(f"{file}: --relative-to needs the series {part}.vtkhdf.series beside "
+        raise read.Unreadable(f"{file}: --relative-to needs the series {part}.hdf.series beside "
                               "it, in the folder `fields` of a run")
     when, before = nearest(files, since)
     if not when < now:

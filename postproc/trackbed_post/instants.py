@@ -11,7 +11,7 @@ from trackbed_post import read
 
 PARTS = ("stones", "surfaces", "train", "ground", "solids")
 LINES = ("contacts", "bonds")
-NAME = re.compile(rf"(?P<instant>.+)_(?P<part>{'|'.join(PARTS + LINES)})\.vtkhdf")
+NAME = re.compile(rf"(?P<instant>.+)_(?P<part>{'|'.join(PARTS + LINES)})\.hdf")
 
 
 @dataclasses.dataclass(frozen=True)

@@ -144,7 +144,7 @@ def title_of(fields, name, choices):
 
 def origin_of(path):
     """The line at the lower edge; a run that goes on or has failed may lack its results.h5."""
-    folder = path.resolve().parent.parent if path.suffix == ".vtkhdf" else path
+    folder = path.resolve().parent.parent if path.suffix == ".hdf" else path
     try:
         return write.origin_of([folder])
     except read.Unreadable:
@@ -153,7 +153,7 @@ def origin_of(path):
 
 def draw_into(path, folder, choices):
     """Picture, table and CSV of an array of a result folder or of one field file."""
-    if path.suffix == ".vtkhdf" and (choices.time is not None
+    if path.suffix == ".hdf" and (choices.time is not None
                                      or choices.parts != field_sections.PARTS):
         raise read.Unreadable(f"{path.name} is one part at one instant: --part and --time choose "
                               "among the files of a result folder")

@@ -357,15 +357,15 @@ def checkpoint(path: pathlib.Path | str, stage: str = "") -> Quantities:
 def fields(folder: pathlib.Path | str, stage: str, part: str) -> dict[int, pathlib.Path]:
     """Field files of a stage in a result folder, by the number of their window in the stage. Parts
     are stones, contacts, ground, solids, surfaces and train."""
-    name = re.compile(rf"{re.escape(stage)}_(\d+)_{part}\.vtkhdf")
-    files = sorted((pathlib.Path(folder) / "fields").glob("*.vtkhdf"))
+    name = re.compile(rf"{re.escape(stage)}_(\d+)_{part}\.hdf")
+    files = sorted((pathlib.Path(folder) / "fields").glob("*.hdf"))
     numbered = {int(found[1]): file for file in files if (found := name.fullmatch(file.name))}
     return dict(sorted(numbered.items()))
 
 
 def series(folder: pathlib.Path | str, part: str) -> list[tuple[float, pathlib.Path]]:
     """(time, s, file) of each field file of a part over the whole run, in order of time."""
-    path = pathlib.Path(folder) / "fields" / f"{part}.vtkhdf.series"
+    path = pathlib.Path(folder) / "fields" / f"{part}.hdf.series"
     if not path.is_file():
         return []
     try:

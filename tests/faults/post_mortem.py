@@ -46,7 +46,7 @@ stage = [{{name = "rest", kind = "run", duration = 1e5}}]
 def stones_of(folder, stage):
     """Number of the stone and place of each cell in the state that was written. Each rank wrote a
     part, in which points and cells begin at 0."""
-    found = list(pathlib.Path(folder, "fields").glob(f"failed_{stage}_*_stones.vtkhdf"))
+    found = list(pathlib.Path(folder, "fields").glob(f"failed_{stage}_*_stones.hdf"))
     if len(found) != 1:
         raise SystemExit(f"{folder}: one state must have been written, not {found}")
     with h5py.File(found[0]) as file:

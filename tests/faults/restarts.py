@@ -6,8 +6,8 @@
 Each stage of each deck under INPUTS is shortened to a few dozen windows, however few stones have
 settled by then. The run is stopped after three random windows and resumed on 1 to 6 ranks. A
 shortened deck may fail (stones that have not settled, for example); then the windows before are
-compared, in a checkpoint at their end. A deck that copies another cell than that of the quickstart
-is left out, as the table at the end states. The exit code is 1 if there are findings.
+compared, in a checkpoint at their end. Cells that decks copy are made first, as whole as their decks
+state (some minutes each). The exit code is 1 if there are findings.
 """
 import argparse
 import json
@@ -25,7 +25,6 @@ from program import Program, cell_of, summary  # noqa: E402
 
 WINDOWS = 40  # of each stage
 STOPS, MOST_RANKS = 3, 6
-CELL = "quickstart_cell.toml"  # made for the decks that repeat it; others take hours
 PATIENCE = 900  # s
 
 
@@ -78,6 +77,35 @@ def shortened(program, path, given):
         elif stage.get("cycles", 0) > 4:
             words.append(f"{key}.cycles=2")
     return words
+
+
+class Cells:
+    """The cells that decks copy, each made once, by the deck of its name: results/cell by cell.toml
+    beside the deck, results/quickstart/cell by INPUTS/quickstart_cell.toml."""
+
+    def __init__(self, program, inputs, folder):
+        self.program, self.inputs, self.folder = program, inputs, folder
+
+    def maker_of(self, deck, cell):
+        name = pathlib.PurePath(cell)
+        candidates = (deck.parent / f"{name.name}.toml",
+                      self.inputs / f"{name.parent.name}_{name.name}.toml")
+        found = next((path for path in candidates if path.is_file()), None)
+        if not found:
+            raise SystemExit(f"{deck}: none of {[str(path) for path in candidates]} makes {cell}")
+        return found
+
+    def overrides(self, deck):
+        """By which the deck finds its cell, if it copies one."""
+        cell = cell_of(deck)
+        if not cell:
+            return []
+        maker = self.maker_of(deck, cell)
+        place = self.folder / ("cell_" + "_".join(maker.relative_to(self.inputs).with_suffix(
+            "").parts))
+        if not place.exists():
+            self.program.done(2, "run", maker, "-o", place)
+        return [f"bed.cell={place}"]
 
 
 def total_windows(folder):
@@ -140,15 +168,12 @@ def main():
     shutil.rmtree(given.folder, ignore_errors=True)
     given.folder.mkdir(parents=True)
     program, findings, lines = Program(given.program), 0, []
-    program.done(2, "run", given.inputs / CELL, "-o", given.folder / "cell")
+    cells = Cells(program, given.inputs, given.folder)
     for path in [given.inputs / name for name in given.decks] or \
             sorted(given.inputs.rglob("*.toml")):
-        name, cell = path.relative_to(given.inputs), cell_of(path)
-        if cell and not cell.endswith("quickstart/cell"):
-            lines.append(f"| {name} | - | not run: it copies {cell} |")
-            continue
+        name = path.relative_to(given.inputs)
         deck = Deck(program, path, given.folder, random.Random(f"{given.seed} {path.name}"),
-                    [f"bed.cell={given.folder / 'cell'}"] if cell else [])
+                    cells.overrides(path))
         compared, finding = deck.outcome()
         findings += bool(finding)
         print(f"{name}: {compared}{': ' + finding if finding else ''}", flush=True)

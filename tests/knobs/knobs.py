@@ -374,7 +374,7 @@ class Bench:
         for path in place.glob("**/*"):
             found.setdefault("files", []).append(str(path.relative_to(place)))
         found.get("files", []).sort()
-        found["fields"] = [data(path) for path in sorted(place.glob("fields/*.vtkhdf"))]
+        found["fields"] = [data(path) for path in sorted(place.glob("fields/*.hdf"))]
         if (place / "results.h5").exists():
             found["data"] = data(place / "results.h5")
         if (place / "summary.json").exists():

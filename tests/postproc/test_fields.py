@@ -95,14 +95,14 @@ def field_run(tmp_path_factory):
         for part in ("stones", "surfaces", "ground", "train"):
             if part == "train" and k < 2:
                 continue
-            name = f"{stage}_{k + 1:06d}_{part}.vtkhdf"
+            name = f"{stage}_{k + 1:06d}_{part}.hdf"
             if part == "stones":
                 write_stones(folder / "fields" / name, [speed[k] for speed in SPEEDS])
             else:
                 OTHERS[part](folder / "fields" / name)
             series.setdefault(part, []).append({"name": name, "time": time})
     for part, files in series.items():
-        (folder / "fields" / f"{part}.vtkhdf.series").write_text(
+        (folder / "fields" / f"{part}.hdf.series").write_text(
             json.dumps({"file-series-version": "1.0", "files": files}), encoding="utf-8")
     return folder
 
@@ -147,7 +147,7 @@ def test_all_parts_of_an_instant_are_in_one_picture_with_one_camera(run, tmp_pat
 
 
 def test_files_are_drawn_together_and_the_first_is_coloured(run, tmp_path):
-    files = [run / "fields" / f"load_000003_{part}.vtkhdf" for part in ("ground", "surfaces")]
+    files = [run / "fields" / f"load_000003_{part}.hdf" for part in ("ground", "surfaces")]
     done = call("still", *files, "-o", tmp_path / "two.png")
     assert done.returncode == 0 and "27 cells" in done.stdout, done.stderr
     picture = pixels(tmp_path / "two.png")
@@ -232,10 +232,10 @@ def test_runs_without_what_is_asked_for_are_refused(run, tmp_path, still):
         assert done.returncode == 2 and sentence in done.stderr, (words, done)
     contacts = tmp_path / "contacts" / "fields"
     contacts.mkdir(parents=True)
-    (contacts / "contacts.vtkhdf.series").write_text('{"files": [{"name": "a", "time": 1}]}')
+    (contacts / "contacts.hdf.series").write_text('{"files": [{"name": "a", "time": 1}]}')
     done = conftest.call(*command, contacts.parent, *output)
     assert done.returncode == 2 and "--parts contacts" in done.stderr
-    (contacts / "contacts.vtkhdf.series").write_text("{")
+    (contacts / "contacts.hdf.series").write_text("{")
     done = conftest.call(*command, contacts.parent, *output)
     assert done.returncode == 2 and "is damaged" in done.stderr
 
@@ -243,11 +243,11 @@ def test_runs_without_what_is_asked_for_are_refused(run, tmp_path, still):
 def test_files_that_do_not_belong_together_are_refused(run, tmp_path):
     fields, output = run / "fields", ("-o", tmp_path / "p.png")
     for words, sentence in (
-            ((fields / "fill_000001_stones.vtkhdf", fields / "load_000002_ground.vtkhdf"),
+            ((fields / "fill_000001_stones.hdf", fields / "load_000002_ground.hdf"),
              "different instants"),
-            ((fields / "fill_000001_stones.vtkhdf", "--time", 1), "give its folder"),
-            ((run, fields / "fill_000001_stones.vtkhdf"), "give one folder"),
-            ((fields / "fill_000001_stones.vtkhdf",) * 2, "twice")):
+            ((fields / "fill_000001_stones.hdf", "--time", 1), "give its folder"),
+            ((run, fields / "fill_000001_stones.hdf"), "give one folder"),
+            ((fields / "fill_000001_stones.hdf",) * 2, "twice")):
         done = conftest.call("still", *words, *output)
         assert done.returncode == 2 and sentence in done.stderr, (words, done)
 

@@ -75,10 +75,10 @@ def made_run(tmp_path):
             ("stones", 1, [[clumps()], [clumps((0.03, 0, -0.01), left_out=[2])]])):
         files = []
         for time, pieces in enumerate(instants, 1):
-            name = f"load_{time}_{part}.vtkhdf"
+            name = f"load_{time}_{part}.hdf"
             write_file(folder / "fields" / name, pieces, kind, UNITS)
             files.append({"name": name, "time": float(time)})
-        (folder / f"fields/{part}.vtkhdf.series").write_text(json.dumps({"files": files}))
+        (folder / f"fields/{part}.hdf.series").write_text(json.dumps({"files": files}))
     return folder
 
 
@@ -240,7 +240,7 @@ def test_command_writes_table_picture_and_points(run):
 
 
 def test_field_file_by_itself(run):
-    file = run / "fields/load_2_stones.vtkhdf"
+    file = run / "fields/load_2_stones.hdf"
     ran = conftest.call("map", file, "-o", run / "out", "--format", "csv")
     assert ran.returncode == 0 and ran.stdout.startswith("velocity at 2 s, plane xz"), ran.stderr
     rows = (run / "out/map.csv").read_text().splitlines()
@@ -269,15 +269,15 @@ def test_refused(run, words, expected):
 def test_other_sources_are_refused(run, tmp_path):
     empty = tmp_path / "empty"
     empty.mkdir()
-    with h5py.File(tmp_path / "other.vtkhdf", "w") as file:
+    with h5py.File(tmp_path / "other.hdf", "w") as file:
         file["a"] = 1.0
     for source, expected in ((empty, "run its deck with output.fields=true"),
                              (tmp_path / "none", "does not exist"),
-                             (tmp_path / "other.vtkhdf", "is not a field file")):
+                             (tmp_path / "other.hdf", "is not a field file")):
         ran = conftest.call("map", source, "-o", tmp_path / "out")
         assert ran.returncode == 2 and expected in ran.stderr, ran.stderr
-    ran = conftest.call("map", run / "fields/load_1_ground.vtkhdf", "--time", "1", "-o",
+    ran = conftest.call("map", run / "fields/load_1_ground.hdf", "--time", "1", "-o",
                         tmp_path / "out")
     assert ran.returncode == 2 and "one part at one instant" in ran.stderr
     with pytest.raises(read.Unreadable, match="does not exist"):
-        field_files.fields_at(tmp_path / "gone_stones.vtkhdf", ("stones",))
+        field_files.fields_at(tmp_path / "gone_stones.hdf", ("stones",))

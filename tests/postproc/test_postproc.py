@@ -147,7 +147,7 @@ def test_field_files_are_listed_by_their_window(tmp_path):
     names = ("load_1000000_ground", "load_000900_ground", "load_000900_stones",
              "load_2_000007_ground", "fill_000001_ground")
     for name in names:
-        (tmp_path / f"fields/{name}.vtkhdf").touch()
+        (tmp_path / f"fields/{name}.hdf").touch()
     assert [(window, file.stem) for window, file in read.fields(tmp_path, "load", "ground").items()
             ] == [(900, names[1]), (1000000, names[0])]
     assert list(read.fields(tmp_path, "load_2", "ground")) == [7]

@@ -33,7 +33,7 @@ def render(path, *arguments):
 
 
 def test_bricks_of_three_values_show_three_colours(tmp_path):
-    path = tmp_path / "bricks.vtkhdf"
+    path = tmp_path / "bricks.hdf"
     write_bricks(path, 3, [1, 2, 3])
     run = render(path)
     assert run.returncode == 0, run.stderr
@@ -42,7 +42,7 @@ def test_bricks_of_three_values_show_three_colours(tmp_path):
 
 
 def test_one_colour_is_refused(tmp_path):
-    path = tmp_path / "bricks.vtkhdf"
+    path = tmp_path / "bricks.hdf"
     write_bricks(path, 3, [2, 2, 2])
     run = render(path)
     assert run.returncode == 1 and "choose another --array" in run.stderr
@@ -50,7 +50,7 @@ def test_one_colour_is_refused(tmp_path):
 
 @pytest.mark.parametrize("content, expected", [(b"", "not a VTKHDF"), (None, "does not exist")])
 def test_other_files_are_refused(tmp_path, content, expected):
-    path = tmp_path / "other.vtkhdf"
+    path = tmp_path / "other.hdf"
     if content is not None:
         path.write_bytes(content)
     run = render(path)
@@ -58,14 +58,14 @@ def test_other_files_are_refused(tmp_path, content, expected):
 
 
 def test_missing_array_is_named(tmp_path):
-    path = tmp_path / "bricks.vtkhdf"
+    path = tmp_path / "bricks.hdf"
     write_bricks(path, 1, [1])
     run = render(path, "--array", "velocity")
     assert run.returncode == 2 and "no array velocity; its arrays: stress (Pa)" in run.stderr
 
 
 def test_picture_is_written_or_its_failure_reported(tmp_path):
-    path, other = tmp_path / "bricks.vtkhdf", tmp_path / "made" / "for" / "picture.png"
+    path, other = tmp_path / "bricks.hdf", tmp_path / "made" / "for" / "picture.png"
     write_bricks(path, 3, [1, 2, 3])
     assert render(path, "-o", other).returncode == 0 and other.stat().st_size > 1000
     (tmp_path / "file").write_text("kept")

@@ -217,7 +217,7 @@ def test_the_ground_has_the_largest_principal_stresses_along_the_track(tmp_path)
     cube = np.array([(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))])
     places = [(0, 0, 0), (0, 1, 0), (5, 0, 0)]
     stress = [(2e6, 0, -1e6, 0, 0, 0), (0, 0, 0, 3e6, 0, 0), (-4e6, 0, 0, 0, 0, 0)]
-    with h5py.File(fields / "load_000010_ground.vtkhdf", "w") as file:
+    with h5py.File(fields / "load_000010_ground.hdf", "w") as file:
         file["VTKHDF/Points"] = np.concatenate([cube + place for place in places])
         file["VTKHDF/Connectivity"] = np.arange(24)
         file["VTKHDF/Offsets"] = np.arange(0, 25, 8)

@@ -88,7 +88,7 @@ def check_series(folder):
     """The list of files and times is that of an uninterrupted run, and has all files."""
     straight, stopped = ([(time, file.name) for time, file in read.series(folder / name, "ground")]
                          for name in ("often", "stopped"))
-    files = sorted(path.name for path in (folder / "often/fields").glob("*_ground.vtkhdf"))
+    files = sorted(path.name for path in (folder / "often/fields").glob("*_ground.hdf"))
     if straight != stopped or sorted(name for _, name in straight) != files:
         raise SystemExit(f"series: {straight} and {stopped} of {files}")
     if not np.all(np.diff([time for time, _ in straight]) > 0):

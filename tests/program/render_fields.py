@@ -41,7 +41,7 @@ def draw_whole(run, pictures):
     if TOGETHER not in stated:
         raise SystemExit(f"a picture of all parts has not {TOGETHER}: {stated}")
     draw("film", run, "-o", pictures / "film.gif", "--view", "corner")
-    instants = len(list((run / "fields").glob("*_stones.vtkhdf")))
+    instants = len(list((run / "fields").glob("*_stones.hdf")))
     with Image.open(pictures / "film.gif") as film:
         if film.n_frames != instants:
             raise SystemExit(f"the film has {film.n_frames} pictures of {instants} instants")
@@ -51,7 +51,7 @@ def main():
     fields, stage, pictures = pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
     pictures.mkdir(parents=True, exist_ok=True)
     colours = {path.stem.rsplit("_", 1)[1]: colours_of(path, pictures / f"{path.stem}.png")
-               for path in sorted(fields.glob(f"{stage}_*.vtkhdf"))}
+               for path in sorted(fields.glob(f"{stage}_*.hdf"))}
     print(colours)
     missing = KINDS - set(colours)
     flat = [kind for kind, found in colours.items() if found < 2]

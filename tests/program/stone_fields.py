@@ -48,7 +48,7 @@ def check_space(program, source, folder):
     """Three blocks of a deck under inputs, and the box and plate below them."""
     made = folder / "stack"
     program.done(1, "run", source / "inputs/verify/stack.toml", *SHORT, "-o", made)
-    file, = (made / "fields").glob("*_stones.vtkhdf")
+    file, = (made / "fields").glob("*_stones.hdf")
     with h5py.File(file, "r") as fields, h5py.File(made / "results.h5", "r") as results:
         if fields.attrs["build"] != results.attrs["build"] or not fields.attrs["title"]:
             raise SystemExit(f"{file} does not state its origin: {dict(fields.attrs)}")
@@ -67,7 +67,7 @@ def check_space(program, source, folder):
         if not 1 - SHORT_OF < volume / whole < 1:
             raise SystemExit(f"stone {number}: {volume} of {whole} m^3 within its faces")
     check_acceleration(source / "inputs/verify/stack.toml", saved, found)
-    surfaces, = (made / "fields").glob("*_surfaces.vtkhdf")
+    surfaces, = (made / "fields").glob("*_surfaces.hdf")
     _, nodes, kinds, found = cells_of(surfaces)
     if set(kinds) != {5} or not set(found["CellData/part"]) <= {0, 1}:
         raise SystemExit(f"surfaces: kinds {set(kinds)}, parts {set(found['CellData/part'])}")
@@ -90,7 +90,7 @@ def check_acceleration(deck, saved, found):
 def check_balls(program, source, folder):
     made = folder / "impact"
     program.done(1, "run", source / "inputs/verify/impact.toml", *SHORT, "-o", made)
-    file, = (made / "fields").glob("*_stones.vtkhdf")
+    file, = (made / "fields").glob("*_stones.hdf")
     _, _, kinds, found = cells_of(file)
     if set(kinds) != {1} or not (found["PointData/radius"] > 0).all():
         raise SystemExit(f"a ball is a point with its radius: {found}")

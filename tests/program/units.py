@@ -55,9 +55,9 @@ def problems_of(path):
 
 
 def main():
-    files = [path for folder in sys.argv[1:] for end in ("h5", "vtkhdf")
+    files = [path for folder in sys.argv[1:] for end in ("h5", "hdf")
              for path in sorted(pathlib.Path(folder).rglob(f"*.{end}"))]
-    kinds = {"results.h5": 0, ".vtkhdf": 0, "stage_": 0}
+    kinds = {"results.h5": 0, ".hdf": 0, "stage_": 0}
     problems = []
     for path in files:
         for kind in kinds:

@@ -159,8 +159,8 @@ def check_run_error(program, deck, folder):
     for ranks in (1, 2):
         place = folder / f"overlap_{ranks}"
         ran = program(ranks, "run", deck, "dem.largest_overlap=1e-9", "-o", place)
-        named = ran.stderr.partition("its state then is in ")[2].partition("_*.vtkhdf")[0]
-        expect(pathlib.Path(f"{named}_stones.vtkhdf").is_file(), "it must write its state", ran)
+        named = ran.stderr.partition("its state then is in ")[2].partition("_*.hdf")[0]
+        expect(pathlib.Path(f"{named}_stones.hdf").is_file(), "it must write its state", ran)
         rows = read.datasets(place)["history/time"].values
         expect(len(rows) > 0, "it must write the histories up to the error", ran)
 

@@ -167,11 +167,11 @@ def check_fields(program, deck, folder):
         place = folder / f"fields_{ranks}"
         program.done(ranks, "run", deck, *FIELDS, *words, "-o", place)
         for kind in ("ground", "surfaces", "train"):
-            series = json.loads((place / f"fields/{kind}.vtkhdf.series").read_text("utf-8"))
+            series = json.loads((place / f"fields/{kind}.hdf.series").read_text("utf-8"))
             times = [entry["time"] for entry in series["files"]]
             if not np.allclose(times, [0.03, 0.06, 0.09]):
                 raise SystemExit(f"{kind}: fields at {times} s")
-        train, sleepers = (datasets(place / f"fields/passage_000150_{kind}.vtkhdf")
+        train, sleepers = (datasets(place / f"fields/passage_000150_{kind}.hdf")
                            for kind in ("train", "surfaces"))
         force = train["VTKHDF/CellData/force"][train["VTKHDF/CellData/wheel"] >= 0]
         if not np.array_equal(np.ravel(datasets(place)["history/wheel/force"][-1]), force):

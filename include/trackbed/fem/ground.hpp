@@ -57,6 +57,7 @@ struct Block {
   Elastic solid;
   Strength strength = {};
   std::vector<double> y = {};  // m, from and to; empty: the whole width of the ground
+  std::vector<double> upright_sides() const;  // m, x of each
   void declare(input::Section& s);
 };
 

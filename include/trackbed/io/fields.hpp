@@ -49,7 +49,7 @@ struct Grid {
 // Texts that state where a file is from, by their names: attributes of the file.
 using Origin = std::vector<std::pair<std::string, std::string>>;
 
-// Writes `path` (by convention *.vtkhdf). Collective.
+// Writes `path` (by convention *.hdf). Collective.
 void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid,
                   const Origin& origin = {});
 

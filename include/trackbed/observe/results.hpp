@@ -191,8 +191,8 @@ struct TrainView {
   double gauge;         // m, between the rails; 0: one rail
 };
 
-// Writes <name>_<part>.vtkhdf for each part that the model has, and enters the file with its time
-// into <part>.vtkhdf.series, which ParaView opens as one series. Collective.
+// Writes <name>_<part>.hdf for each part that the model has, and enters the file with its time
+// into <part>.hdf.series, which ParaView opens as one series. Collective.
 void write_fields(const par::Comm& comm, const FieldFiles& files, const Scene& scene,
                   const TrainView* train);
 

@@ -55,8 +55,8 @@ bool is_result(std::string_view name) {
 // Only the endings are compared: the names begin with names of stages, which the deck chooses.
 bool is_picture(std::string_view name) {
   return std::any_of(observe::field_parts.begin(), observe::field_parts.end(), [&](auto part) {
-    return name.ends_with(fmt::format("_{}.vtkhdf", part)) ||
-           name == fmt::format("{}.vtkhdf.series", part);
+    return name.ends_with(fmt::format("_{}.hdf", part)) ||
+           name == fmt::format("{}.hdf.series", part);
   });
 }
 

@@ -310,6 +310,14 @@ void Block::declare(Section& s) {
   strength.declare(s);
 }
 
+std::vector<double> Block::upright_sides() const {
+  std::vector<double> sides;
+  const std::size_t numbers = outline.size();
+  for (std::size_t k = 0; k + 1 < numbers; k += 2)
+    if (outline[k] == outline[(k + 2) % numbers]) sides.push_back(outline[k]);
+  return sides;
+}
+
 bool GroundParameters::yields() const {
   const auto may_yield = [](const auto& of) { return of.strength.yield != Yield::none; };
   return present && (std::any_of(layers.begin(), layers.end(), may_yield) ||

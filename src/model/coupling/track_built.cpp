@@ -5,27 +5,15 @@
 
 #include <algorithm>
 
+#include "model/coupling/train_words.hpp"
 #include "model/track_rules/coarse_steps.hpp"
 #include "model/track_rules/profile_warnings.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/model/log.hpp"
-#include "trackbed/track/vehicle_layout.hpp"
 
 namespace trackbed::model {
 
 namespace {
-
-// Frequencies show whether masses and springs were given per side, per axle or in total.
-std::string words_of(const track::VehicleParameters& vehicle, bool rolls) {
-  std::string text = fmt::format("  vehicle {}:", vehicle.name);
-  if (track::layout_of(vehicle.kind).constant)
-    return text + fmt::format(" {} axles of constant force", vehicle.axles.size());
-  const std::vector<double> frequencies = track::natural_frequencies(vehicle, rolls);
-  if (!frequencies.empty())
-    text += fmt::format(" natural frequencies {:.4g} Hz with fixed wheelsets;",
-                        fmt::join(frequencies, ", "));
-  return text + fmt::format(" wheelset {:g} kg", vehicle.wheelset_mass);
-}
 
 // km/h, each with the time at which it is reached.
 std::string words_of_speed(const track::TrainParameters& train) {
@@ -61,12 +49,8 @@ void introduce_track(const par::Comm& comm, const TrackModel& model, const Built
     say(comm, fmt::format(
                   "  bending sleepers: first natural frequency of a free slender sleeper {:.1f} Hz",
                   track::bending_frequency(model.line.track)));
-  std::vector<std::string> printed;
-  for (const track::VehicleParameters& vehicle : built.train.vehicles()) {
-    if (std::find(printed.begin(), printed.end(), vehicle.name) != printed.end()) continue;
-    printed.push_back(vehicle.name);
-    say(comm, words_of(vehicle, built.line.sides() > 1));
-  }
+  for (const std::string& line : lines_of_vehicles(built.train, built.line.sides() > 1))
+    say(comm, line);
   if (!built.train.wheels().empty())
     say(comm,
         fmt::format("  train: {} vehicles, {} axles, {}; static load of the first wheel {:.2f} kN",

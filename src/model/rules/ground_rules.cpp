@@ -173,13 +173,43 @@ std::vector<std::string> warnings_of_shapes(const Model& model, const input::Dec
       of_longest, of_shortest)};
 }
 
+// Warns of upright sides of blocks inside elements, each of which has the material at its centre:
+// the side is then up to half an element from where the deck has it.
+std::vector<std::string> warnings_of_block_sides(const Model& model, const input::Deck& deck) {
+  constexpr double close = 0.02;  // of an element's length
+  const fem::GroundParameters& ground = model.ground;
+  if (ground.of_tetrahedra() || ground.layers.empty()) return {};
+  const std::vector<double> edges = ground.edges(0);
+  std::vector<std::string> warnings;
+  std::vector<double> named;  // neighbours share sides
+  for (const fem::Block& block : ground.blocks) {
+    if (!block.present) continue;
+    for (const double x : block.upright_sides()) {
+      if (std::find(named.begin(), named.end(), x) != named.end()) continue;
+      named.push_back(x);
+      const auto after = std::lower_bound(edges.begin(), edges.end(), x);
+      if (after == edges.begin() || after == edges.end()) continue;
+      const double low = *(after - 1), high = *after;
+      if (std::min(x - low, high - x) <= close * (high - low)) continue;
+      warnings.push_back(fmt::format(
+          "{}: block \"{}\" has a side at x = {:g} m, inside an element ({:g} to {:g} m), which "
+          "has the material at its centre; the side is computed at {:g} m. Choose the number of "
+          "elements so that one begins there",
+          deck.where("ground.elements_x"), block.name, x, low, high,
+          2 * x < low + high ? low : high));
+    }
+  }
+  return warnings;
+}
+
 // All warnings from elements and tables of a ground, also of an embankment or a mesh.
 std::vector<std::string> look_at_tables(const Model& model, const input::Deck& deck) {
   std::vector<std::string> warnings;
   for (const PressureParameters& pressure : model.pressures) pressure.table();
   if (model.ground.mesh.empty()) warnings = warnings_of_wave(model, deck);
   for (const auto& more : {warnings_of_young(model, deck), warnings_of_times(model, deck),
-                           warnings_of_elements(model, deck), warnings_of_shapes(model, deck)})
+                           warnings_of_elements(model, deck), warnings_of_shapes(model, deck),
+                           warnings_of_block_sides(model, deck)})
     warnings.insert(warnings.end(), more.begin(), more.end());
   return warnings;
 }

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "model/coupling/train_words.hpp"
+
 namespace trackbed::model {
 
 namespace {
@@ -66,12 +68,19 @@ void say_model(World& world, const std::string& name) {
   }
   if (!model.has_train()) return;
   const track::TrackParameters& track = model.track.line.track;
-  say_values(comm,
-             "  train: {} at {:.2f} km/h{} over {:g} m of rail; {} sleepers on springs before the "
-             "bed; the sleepers of the bed carry {:g} rail{}",
-             fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6,
-             model.track.train.times.empty() ? "" : " at first", track.length, model.seat.before,
-             model.seat.rails, model.seat.rails == 1 ? "" : "s");
+  std::string load;
+  if (const auto train = train_of(model.track)) {
+    for (const std::string& line : lines_of_vehicles(*train, track.dimension == Dimension::space))
+      say(comm, line);
+    load = fmt::format(", static load of the first wheel {:.2f} kN", static_load(*train) / 1e3);
+  }
+  say_values(
+      comm,
+      "  train: {} at {:.2f} km/h{}{} over {:g} m of rail; {} sleepers on springs before the "
+      "bed; the sleepers of the bed carry {:g} rail{}",
+      fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6,
+      model.track.train.times.empty() ? "" : " at first", load, track.length, model.seat.before,
+      model.seat.rails, model.seat.rails == 1 ? "" : "s");
 }
 
 // Memory is the largest of all ranks, since that rank fails first.

@@ -50,7 +50,7 @@ std::string StagedScheme::rescue() noexcept {
         fmt::format("failed_{}_{:06d}", present().name, run_.course.clock.window());
     if (model_.has_stones()) world_.particles.make_lists();
     write_fields(name, {observe::field_parts.begin(), observe::field_parts.end()});
-    return fmt::format("its state then is in {}/fields/{}_*.vtkhdf", run_.folder, name);
+    return fmt::format("its state then is in {}/fields/{}_*.hdf", run_.folder, name);
   } catch (const std::exception&) {  // for example a full disk; the first error is reported
     return {};
   }

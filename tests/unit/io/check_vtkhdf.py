@@ -11,7 +11,7 @@ folder, ranks = sys.argv[1], int(sys.argv[2])
 
 def read(kind):
     reader = vtk.vtkHDFReader()
-    path = f"{folder}/fields_{kind}_{ranks}.vtkhdf"
+    path = f"{folder}/fields_{kind}_{ranks}.hdf"
     if not reader.CanReadFile(path):
         sys.exit(f"{path} is not recognised as a VTKHDF file")
     # ParaView 5.11 does not read a file whose type is stored with a terminating zero.

@@ -13,7 +13,7 @@ namespace {
 const par::Comm world() { return par::Comm::world(); }
 
 std::string name_of(const std::string& kind) {
-  return "fields_" + kind + "_" + std::to_string(world().size()) + ".vtkhdf";
+  return "fields_" + kind + "_" + std::to_string(world().size()) + ".hdf";
 }
 
 // Rank r holds a row of r unit cubes, so that rank 0 holds nothing.

@@ -1,0 +1,17 @@
+// What is printed of a train before it runs, to check that it is the intended one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "trackbed/track/train.hpp"
+
+namespace trackbed::model {
+
+// One line for each kind of vehicle; `rolls`: on two rails.
+std::vector<std::string> lines_of_vehicles(const track::Train& train, bool rolls);
+
+// N, of the first wheel: its constant force, or its share of the vehicle's weight.
+double static_load(const track::Train& train);
+
+}  // namespace trackbed::model
