@@ -1,17 +1,16 @@
 """Figures, tables and films of trackbed runs"""
 import argparse
-import math
 import os
 import pathlib
-import re
 import sys
 
 import matplotlib
 
 matplotlib.use("Agg")
 
-from trackbed_post import (curves, field_film, field_sections, films, geometry,  # noqa: E402
-                           instants, kinds, maps, read, report, still, sweep, vibration, write)
+from trackbed_post import (arguments, curves, field_film, field_sections, films,  # noqa: E402
+                           geometry, instants, kinds, maps, overlays, read, report, still,
+                           sweep, vibration, write)
 from trackbed_post.monitor import command as monitor_command  # noqa: E402
 from trackbed_post.monitor import (ballast, calibration, greens, indicators,  # noqa: E402
                                    passages, regularised)
@@ -19,93 +18,6 @@ from trackbed_post.monitor import forces as monitor_forces  # noqa: E402
 from trackbed_post.settlement import command as settlement_command  # noqa: E402
 from trackbed_post.settlement import laws, traffic  # noqa: E402
 from trackbed_post.trajectory import command as trajectory_command  # noqa: E402
-
-FORMATS = ("png", "pdf", "svg", "csv")  # csv: the lines of each figure
-
-
-def formats(text):
-    chosen = tuple(text.split(","))
-    if unknown := set(chosen) - set(FORMATS):
-        raise argparse.ArgumentTypeError(f"{', '.join(sorted(unknown))}: the formats are "
-                                         f"{', '.join(FORMATS)}")
-    return chosen
-
-
-def noise(text):
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text}: must be 0 or more, m/s2")
-    return value
-
-
-def subgrade(text):
-    """Soil, stress over strength, thickness in m."""
-    soil, *rest = text.split(":")
-    try:
-        ratio, thickness = map(float, rest)
-        fits = soil in laws.SOILS and 0 < ratio <= 1 and 0 < thickness < math.inf
-    except ValueError:
-        fits = False
-    if not fits:
-        raise argparse.ArgumentTypeError(f"{text}: give SOIL:RATIO:THICKNESS, soil "
-                                         f"{', '.join(laws.SOILS)}, ratio of stress to strength "
-                                         "up to 1, thickness in m")
-    return soil, ratio, thickness
-
-
-def parts(text):
-    """Parts of the model, each once."""
-    chosen = tuple(dict.fromkeys(text.split(",")))
-    known = instants.PARTS + instants.LINES
-    if unknown := [part for part in chosen if part not in known]:
-        raise argparse.ArgumentTypeError(f"{', '.join(unknown)}: the parts are "
-                                         f"{', '.join(known)}")
-    return chosen
-
-
-class Rising(argparse.Action):
-    """Two numbers, the first below the second."""
-
-    def __call__(self, whole, given, values, option_string=None):
-        if values[0] >= values[1]:
-            whole.error(f"argument {option_string}: {values[0]:g} must be below {values[1]:g}")
-        setattr(given, self.dest, values)
-
-
-def count(text):
-    if not text.isdigit() or not int(text):
-        raise argparse.ArgumentTypeError(f"{text}: must be a whole number above 0")
-    return int(text)
-
-
-def positive(text):
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text}: must be a number above 0")
-    return value
-
-
-def finite(text):
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text}: must be a number")
-    return value
-
-
-def of_wheel(text):
-    value = positive(text)
-    if not 0.1 <= value <= 1:
-        raise argparse.ArgumentTypeError(f"{text}: wheels have a radius of 0.1 to 1 m")
-    return value
 
 
 def print_folders(folders):
@@ -120,7 +32,9 @@ def print_folders(folders):
 
 def figures(given):
     """figures and a table of numbers of one run, or of several side by side"""
-    print_folders(kinds.draw_figures(given.results, given.output, given.kind, given.format))
+    over = overlays.Overlays(given.measured)
+    print_folders(kinds.draw_figures(given.results, given.output, given.kind, given.format, over))
+    over.require_drawn()
 
 
 def film(given):
@@ -132,9 +46,9 @@ def film(given):
 def write_report(given):
     """one HTML file of a run, or of several side by side"""
     if given.every:
-        report.follow(given.results, given.output, given.over, given.every)
+        report.follow(given.results, given.output, given.over, given.every, given.measured)
     else:
-        report.write_report(given.results, given.output, given.over)
+        report.write_report(given.results, given.output, given.over, measured=given.measured)
     print(f"{given.output}: {given.output.stat().st_size / 1e6:.1f} MB")
 
 
@@ -278,7 +192,7 @@ def parser():
     def command(name, run):
         one = commands.add_parser(name, help=run.__doc__, description=run.__doc__)
         one.set_defaults(run=run)
-        one._negative_number_matcher = NEGATIVE
+        one._negative_number_matcher = arguments.NEGATIVE
         return one
 
     def takes_runs(one, count="+"):
@@ -290,12 +204,18 @@ def parser():
 
     def draws(one):
         writes(one, "DIR")
-        one.add_argument("--format", type=formats, default=("png",),
-                         help=f"one or more of {', '.join(FORMATS)}, with commas between them; "
-                         "csv: the lines of each figure")
+        one.add_argument("--format", type=arguments.formats, default=("png",),
+                         help=f"one or more of {', '.join(arguments.FORMATS)}, with commas between "
+                         "them; csv: the lines of each figure")
+
+    def lays_over(one):
+        one.add_argument("--measured", action="append", default=[],
+                         metavar="FIGURE=FILE.csv[:X:Y]",
+                         help="draws measured or published curves over a figure; may be given "
+                         "several times")
 
     def of_sensor(one):
-        one.add_argument("--noise", type=noise, metavar="M/S2",
+        one.add_argument("--noise", type=arguments.noise, metavar="M/S2",
                          help="standard deviation of the sensor's noise in a sample; default: that "
                          "of the quietest part, which contains what the sleeper still moves")
 
@@ -304,19 +224,22 @@ def parser():
                          "their speed (velocity), otherwise the first one that is not constant")
         one.add_argument("--view", choices=still.VIEWS,
                          help=f"direction of view; default: {still.VIEW}")
-        one.add_argument("--parts", type=parts, metavar="PART,...",
+        one.add_argument("--parts", type=arguments.parts, metavar="PART,...",
                          help="of the field files of a run, with commas between them, the one that "
                          "is coloured first; default: those that exist of "
                          f"{', '.join(instants.PARTS)}")
-        one.add_argument("--limits", type=finite, nargs=2, action=Rising, metavar=("LOW", "HIGH"),
+        one.add_argument("--limits", type=arguments.finite, nargs=2, action=arguments.Rising,
+                         metavar=("LOW", "HIGH"),
                          help="of the colours; default: smallest and largest value")
-        one.add_argument("--x", type=finite, nargs=2, action=Rising, metavar=("FROM", "TO"),
+        one.add_argument("--x", type=arguments.finite, nargs=2, action=arguments.Rising,
+                         metavar=("FROM", "TO"),
                          help="section along the track, m; default: all")
 
     for name in ("figures", "compare"):  # two names of one command
         one = command(name, figures)
         takes_runs(one)
         draws(one)
+        lays_over(one)
         one.add_argument("--kind", choices=kinds.KINDS, default="",
                          help="draw only figures of this kind; default: the kinds that suit the "
                          "deck of the first run")
@@ -326,7 +249,8 @@ def parser():
     one.add_argument("--over", nargs=2, action="append", default=[],
                      metavar=("QUANTITY", "FILE.csv[:X:Y]"),
                      help="draws a measured or published curve over this quantity")
-    one.add_argument("--every", type=positive, metavar="SECONDS",
+    lays_over(one)
+    one.add_argument("--every", type=arguments.positive, metavar="SECONDS",
                      help="writes the report again and again while a run computes; a browser "
                      "loads it as often")
     one = command("film", film)
@@ -337,16 +261,16 @@ def parser():
                      "options below")
     of_scene(one)
     one.add_argument("--stage", metavar="NAME", help="default: all stages")
-    one.add_argument("--time", type=finite, nargs=2, metavar=("FROM", "TO"),
+    one.add_argument("--time", type=arguments.finite, nargs=2, metavar=("FROM", "TO"),
                      help="times of the run, s; default: all")
-    one.add_argument("--frames", type=count, metavar="N",
+    one.add_argument("--frames", type=arguments.count, metavar="N",
                      help="largest number of pictures, evenly spread over the field files; "
                      f"default: {field_film.FRAMES}")
     one = command("still", draw_still)
     one.add_argument("sources", nargs="+", metavar="FILE.hdf|RESULT_DIR")
     one.add_argument("-o", "--output", required=True, metavar="FILE.png")
     of_scene(one)
-    one.add_argument("--time", type=finite, metavar="S",
+    one.add_argument("--time", type=arguments.finite, metavar="S",
                      help="of RESULT_DIR: the field files of the nearest instant; default: the "
                      "last")
     one = command("map", draw_map)
@@ -359,18 +283,18 @@ def parser():
                      help="default: those of stones, ground, solids that have the array")
     one.add_argument("--plane", choices=field_sections.PLANES, default="xz",
                      help="default: %(default)s")
-    one.add_argument("--at", type=finite, default=0.0, metavar="M",
+    one.add_argument("--at", type=arguments.finite, default=0.0, metavar="M",
                      help="where the plane crosses the third axis; default: 0")
-    one.add_argument("--slice", type=positive, metavar="M",
+    one.add_argument("--slice", type=arguments.positive, metavar="M",
                      help="draws all points up to this distance from the plane; default: the "
                      "nearest layer of nodes or elements, or points within half their mean "
                      "distance")
-    one.add_argument("--window", type=finite, nargs=4, metavar=("X0", "X1", "Z0", "Z1"),
+    one.add_argument("--window", type=arguments.finite, nargs=4, metavar=("X0", "X1", "Z0", "Z1"),
                      help="region of the plane, m, of another plane the limits of its axes; "
                      "default: all")
-    one.add_argument("--time", type=finite, metavar="S",
+    one.add_argument("--time", type=arguments.finite, metavar="S",
                      help="the nearest instant of a run is drawn; default: the last")
-    one.add_argument("--relative-to", type=finite, metavar="S",
+    one.add_argument("--relative-to", type=arguments.finite, metavar="S",
                      help="draws the change since the nearest earlier instant, of stones also "
                      "their displacement")
     draws(one)
@@ -408,19 +332,19 @@ def parser():
     one.add_argument("--wheel", nargs="+", default=["s1002"], metavar="WHEEL",
                      help="s1002, s1002:hollow:MM (hollow tread of this depth) or a CSV with the "
                      "columns s and growth and their units; default: s1002")
-    one.add_argument("--lateral", type=finite, nargs="+", default=[0.0], metavar="MM",
+    one.add_argument("--lateral", type=arguments.finite, nargs="+", default=[0.0], metavar="MM",
                      help="y of the tread datum of the wheels, 70 mm from the back of the flange; "
                      "default: 0")
     one.add_argument("--field-side", choices=("+y", "-y"), default="+y",
                      help="where the field side of the wheel is; default: %(default)s")
-    one.add_argument("--radius", type=of_wheel, default=0.46, metavar="M",
+    one.add_argument("--radius", type=arguments.of_wheel, default=0.46, metavar="M",
                      help="of the wheels; default: %(default)g")
-    one.add_argument("--unit", type=positive, default=1e-3, metavar="M",
+    one.add_argument("--unit", type=arguments.positive, default=1e-3, metavar="M",
                      help="of an STL file; default: %(default)g m")
     one.add_argument("--marks", type=pathlib.Path, metavar="FILE.csv",
                      help="three places or more as scanned (x y z) and in the frame of the track "
                      "(true_x true_y true_z)")
-    one.add_argument("--origin", type=finite, default=0.0, metavar="M",
+    one.add_argument("--origin", type=arguments.finite, default=0.0, metavar="M",
                      help="x of the scan's origin in the deck; default: 0")
     one.add_argument("--trailing", action="store_true",
                      help="trains run to smaller x of the scan")
@@ -447,23 +371,23 @@ def parser():
     draws(one)
     one = command("settlement", draw_settlement)
     takes_runs(one)
-    one.add_argument("--begin", type=positive, default=1.0, metavar="N",
+    one.add_argument("--begin", type=arguments.positive, default=1.0, metavar="N",
                      help="laws are fitted from this cycle on; default: 1")
     one.add_argument("--traffic", type=pathlib.Path, metavar="FILE.csv",
                      help="trains of a day: columns trains_per_day, axles, axle_load_t")
-    one.add_argument("--days", type=positive, default=FORECAST["days"],
+    one.add_argument("--days", type=arguments.positive, default=FORECAST["days"],
                      help="of the forecast; default: a year")
-    one.add_argument("--axles", type=positive, default=FORECAST["axles"], metavar="K",
+    one.add_argument("--axles", type=arguments.positive, default=FORECAST["axles"], metavar="K",
                      help="axles that a cycle of the run represents; default: 1")
-    one.add_argument("--axle-load", type=positive, metavar="T", help="of the run, t")
-    one.add_argument("--load-exponent", type=positive, metavar="P",
+    one.add_argument("--axle-load", type=arguments.positive, metavar="T", help="of the run, t")
+    one.add_argument("--load-exponent", type=arguments.positive, metavar="P",
                      help="an axle of another load counts as (its load over that of the run)^P "
                           "axles; of a settlement that grows with load^a N^b: P = a/b")
-    one.add_argument("--lift", type=positive, metavar="MM",
+    one.add_argument("--lift", type=arguments.positive, metavar="MM",
                      help="draws Shenton's law after a lift of the track in mm")
-    one.add_argument("--force", type=positive, metavar="KN",
+    one.add_argument("--force", type=arguments.positive, metavar="KN",
                      help="draws the law of Varandas for this force below a sleeper at each axle")
-    one.add_argument("--subgrade", type=subgrade, metavar="SOIL:RATIO:THICKNESS",
+    one.add_argument("--subgrade", type=arguments.subgrade, metavar="SOIL:RATIO:THICKNESS",
                      help="draws the law of Li and Selig for a layer, such as CL:0.4:1.5")
     draws(one)
     one = command("monitor", run_monitor)
@@ -513,8 +437,6 @@ def parser():
     return whole
 
 
-# Also with an exponent, which argparse would take for an option.
-NEGATIVE = re.compile(r"^-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
 
 
 CONTINUES = (run_monitor, run_sweep)

@@ -113,9 +113,8 @@ def of_runs(paths: collections.abc.Sequence[pathlib.Path | str], name: str,
     return [first, *(of_run(path, name, first.place) for path in paths[1:])]
 
 
-def of_file(text: pathlib.Path | str) -> Curve:
-    """The Curve of FILE.csv:X:Y, two columns of a file with a line of names that end with their
-    units (x_m, time_s, z_mm); of a file with two columns, FILE.csv is enough."""
+def _chosen(text: pathlib.Path | str) -> tuple[pathlib.Path, list[str]]:
+    """(file, columns) of FILE.csv, FILE.csv:X or FILE.csv:X:Y."""
     path = pathlib.Path(text)
     wanted: list[str] = []
     while not path.is_file() and ":" in path.name and len(wanted) < 2:
@@ -123,18 +122,41 @@ def of_file(text: pathlib.Path | str) -> Curve:
         path, wanted = pathlib.Path(place), [column, *wanted]
     if not path.is_file():
         raise read.Unreadable(f"{path} does not exist; a curve is FILE.csv or FILE.csv:X:Y")
-    names, table = measured.table_of(path)
-    wanted = wanted or names
-    if len(wanted) != 2 or set(wanted) - set(names):
-        raise read.Unreadable(f"{path} has the columns {', '.join(names)}: choose two with "
-                              f"{path}:X:Y")
+    return path, wanted
+
+
+def _of_columns(path: pathlib.Path, names: list[str], table: np.ndarray, wanted: list[str],
+                name: str) -> Curve:
+    """The Curve of two columns of a table that was read from `path`."""
     units = [measured.unit_of(one) for one in wanted]
     x, y = (table[:, names.index(one)] * factor for one, (factor, _) in zip(wanted, units))
     if bad := int(np.sum(~(np.isfinite(x) & np.isfinite(y)))):
         raise read.Unreadable(f"{path}: {bad} of {len(x)} rows have no number in {wanted[0]} or "
                               f"{wanted[1]}; remove them")
     order = np.argsort(x, kind="stable")
-    return Curve(path.stem, x[order], units[0][1], y[order], units[1][1])
+    return Curve(name, x[order], units[0][1], y[order], units[1][1])
+
+
+def of_file(text: pathlib.Path | str) -> Curve:
+    """The Curve of FILE.csv:X:Y, two columns of a file with a line of names that end with their
+    units (x_m, time_s, z_mm); of a file with two columns, FILE.csv is enough."""
+    path, wanted = _chosen(text)
+    names, table = measured.table_of(path)
+    wanted = wanted or names
+    if len(wanted) != 2 or set(wanted) - set(names):
+        raise read.Unreadable(f"{path} has the columns {', '.join(names)}: choose two with "
+                              f"{path}:X:Y")
+    return _of_columns(path, names, table, wanted, path.stem)
+
+
+def columns_of(text: pathlib.Path | str) -> Curves:
+    """As of_file; of a file with more than two columns, each over the first."""
+    path, wanted = _chosen(text)
+    names, table = measured.table_of(path)
+    if wanted or len(names) <= 2:
+        return [of_file(text)]
+    return [_of_columns(path, names, table, [names[0], name], f"{path.stem}, {name}")
+            for name in names[1:]]
 
 
 def deviation(curve: Curve, other: Curve) -> tuple[float, float, int] | None:

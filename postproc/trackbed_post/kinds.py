@@ -4,8 +4,8 @@ import dataclasses
 import functools
 import pathlib
 
-from trackbed_post import (bed_on_ground, laboratory, read, track_figures, train_figures,
-                           transition, write)
+from trackbed_post import (bed_on_ground, laboratory, overlays, read, track_figures,
+                           train_figures, transition, write)
 
 # Runs side by side. The bed below a train: without what shows the end of a stage, when it has left.
 TOGETHER: dict[str, collections.abc.Callable[..., None]] = {
@@ -69,11 +69,11 @@ def parts_of(results: collections.abc.Sequence[pathlib.Path],
 
 
 def draw_figures(results: collections.abc.Sequence[pathlib.Path | str], path: pathlib.Path | str,
-                 kind: str = "", formats: collections.abc.Sequence[str] = ("png",)
-                 ) -> list[write.Folder]:
+                 kind: str = "", formats: collections.abc.Sequence[str] = ("png",),
+                 over: overlays.Overlays | None = None) -> list[write.Folder]:
     """Draws all figures of runs (given by their folders), or those of one kind, into a folder;
     the folders that were written. Runs that cannot be compared in one picture have a folder each,
-    with number and name, below it."""
+    with number and name, below it. `over`: curves over the figures."""
     runs = [read.folder_of(one) for one in results]
     decks = [read.origin(one)[1] for one in runs]
     require_comparable(decks)
@@ -84,7 +84,7 @@ def draw_figures(results: collections.abc.Sequence[pathlib.Path | str], path: pa
         below = pathlib.Path(path)
         if len(runs) > len(part.results):
             below = below / f"{part.number + 1}_{part.results[-1].resolve().name}"
-        folder = write.Folder(below, write.origin_of(part.results), formats)
+        folder = write.Folder(below, write.origin_of(part.results), formats, over)
         try:
             part.draw(folder)
         except read.Unreadable as why:

@@ -13,7 +13,7 @@ import pathlib
 import tempfile
 import time
 
-from trackbed_post import curves, kinds, progress, read, write
+from trackbed_post import curves, kinds, overlays, progress, read, write
 
 
 STYLE = """
@@ -134,13 +134,16 @@ def compared_with(results, over):
             for quantity, file in over]
 
 
-def figures_of(runs, folder, over):
-    """Pictures and numbers of each kind of figure, and of each comparison in `over`."""
+def figures_of(runs, folder, over, measured):
+    """Pictures and numbers of each kind of figure, with the curves of `measured` over them, and of
+    each comparison in `over`."""
+    curves_over = overlays.Overlays(measured)
     parts = []
     results = [run.folder for run in runs]
     every = [*kinds.parts_of(results, kinds.of_deck(runs[0].deck)), *compared_with(results, over)]
     for i, part in enumerate(every):
-        made = write.Folder(folder / str(i), write.origin_of(part.results))
+        made = write.Folder(folder / str(i), write.origin_of(part.results),
+                            over=curves_over)
         names = ", ".join(path.resolve().name for path in part.results)
         parts.append(element("h3", f"{part.kind}: {names}"))
         try:
@@ -150,6 +153,7 @@ def figures_of(runs, folder, over):
         parts += [embedded(path) for path in made.pictures]
         parts += [element("pre", text) for text in made.tables]
         parts += [element("p", one) for one in made.remarks]
+    curves_over.require_drawn()
     return "\n".join(parts)
 
 
@@ -167,13 +171,13 @@ def progress_of(runs, folder):
     return parts
 
 
-def page(runs, folder, over, every=0):
+def page(runs, folder, over, every=0, measured=()):
     """`every`: seconds after which a browser loads the document again; 0: never."""
     head = ["", *(run.name for run in runs)]
     parts = [element("h1", " and ".join(run.name for run in runs)),
              table(head, side_by_side(runs, facts_of)), *progress_of(runs, folder),
              element("h2", "Warnings"), warnings_of(runs),
-             element("h2", "Figures and numbers"), figures_of(runs, folder, over)]
+             element("h2", "Figures and numbers"), figures_of(runs, folder, over, measured)]
     for run in runs:
         heading, rows = stages_of(run)
         if rows:
@@ -191,10 +195,10 @@ def page(runs, folder, over, every=0):
             f"<style>{STYLE}</style></head>\n<body>\n" + "\n".join(parts) + "\n</body></html>\n")
 
 
-def write_report(results, file, over=(), every=0):
+def write_report(results, file, over=(), every=0, measured=()):
     """Writes the report of one run or of several, given by their folders. `over`: (quantity, file)
     of measured or published curves, as in curves.draw_into(). `every`: seconds after which a
-    browser loads it again; 0: never."""
+    browser loads it again; 0: never. `measured`: texts of overlays.of_text()."""
     runs = [Run(folder) for folder in results]
     kinds.require_comparable([run.deck for run in runs])
     for quantity, other in over:  # before anything is drawn
@@ -202,19 +206,19 @@ def write_report(results, file, over=(), every=0):
         curves.of_run(runs[0].folder, quantity)
     write.folder(file.resolve().parent)
     with tempfile.TemporaryDirectory() as folder:
-        write.whole(file, page(runs, pathlib.Path(folder), over, every).encode())
+        write.whole(file, page(runs, pathlib.Path(folder), over, every, measured).encode())
 
 
-def follow(results, file, over, every):
+def follow(results, file, over, every, measured=()):
     """Writes the report every so many seconds while one of the runs computes, and once more when
     none does. Results that cannot be read, as in the moment in which they are written, leave the
     report as it was."""
     folders = [read.folder_of(one) for one in results]
-    write_report(results, file, over, every)  # with all that is wrong in the command
+    write_report(results, file, over, every, measured)  # with all that is wrong in the command
     while any(progress.computes(one) for one in folders):
         time.sleep(every)
         try:
-            write_report(results, file, over, every)
+            write_report(results, file, over, every, measured)
         except read.Unreadable as why:
             print(f"the report stays as it was: {why}", flush=True)
-    write_report(results, file, over)
+    write_report(results, file, over, measured=measured)

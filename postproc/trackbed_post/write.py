@@ -106,11 +106,14 @@ def lines_of(figure: Figure) -> str:
 class Folder:
     """Where a command writes, and what it wrote: `pictures` (of the first format), `tables`
     (texts for a reader), `remarks` (why a figure is missing). `origin`, a line at the lower edge of
-    every picture, states of which runs it is."""
+    every picture, states of which runs it is. `over` draws over each figure, given its name,
+    before it is written."""
 
     def __init__(self, path: pathlib.Path | str, origin: str = "",
-                 formats: collections.abc.Sequence[str] = ("png",)) -> None:
+                 formats: collections.abc.Sequence[str] = ("png",),
+                 over: collections.abc.Callable[[str, Figure], None] | None = None) -> None:
         self.path, self.origin, self.formats = pathlib.Path(path), origin, formats
+        self.over = over
         self.pictures: list[pathlib.Path] = []
         self.tables: list[str] = []
         self.remarks: list[str] = []
@@ -127,6 +130,8 @@ class Folder:
         """Writes NAME.png, or the formats asked for, and closes the figure; csv: its lines as
         NAME_lines.csv. `origin`: of a picture of some of the runs."""
         import matplotlib.pyplot as plt  # here: not needed by those who only read results
+        if self.over:
+            self.over(name, figure)
         if figure.get_constrained_layout():
             figure.get_layout_engine().set(rect=(0, ORIGIN, 1, 1 - ORIGIN))
         state_origin(figure, origin or self.origin)
