@@ -8,7 +8,8 @@ import matplotlib.collections
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import bed_figures, bed_histories, measures, read, signals, support, write
+from trackbed_post import (bed_figures, bed_histories, figure_csv, measures, read, signals,
+                           support, write)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 
 GRAVITY = 9.81        # m/s^2
@@ -182,9 +183,10 @@ def draw_chains(panel, chains, stones, largest):
         panel.add_collection(matplotlib.collections.EllipseCollection(
             size, size, np.zeros_like(size), units="xy", offsets=stones.centre,
             transOffset=panel.transData, facecolors="0.82", edgecolors="none"))
-    panel.add_collection(matplotlib.collections.LineCollection(
+    lines = panel.add_collection(matplotlib.collections.LineCollection(
         chains.segments.reshape(-1, 2, 2), linewidths=CHAIN_WIDTH * chains.force / largest,
         colors="tab:red", capstyle="round"))
+    figure_csv.state(lines, "contact force, N", chains.force)
     panel.set_aspect("equal")
     panel.set_ylabel("z (m)")
 
@@ -236,9 +238,9 @@ def force_chains(runs):
             middle = np.mean(x) if edge is None else edge
             panel.set_xlim(middle - CHAIN_WINDOW / 2, middle + CHAIN_WINDOW / 2)
         panel.set_ylim(np.min(z) - 0.02, np.max(z) + 0.05)
+        panel.set_xlabel("x along the track (m)")
         panel.set_title(f"{run.name}, {load_text(run, name)}: {len(chains.force)} contacts, "
                         f"thickest line {strongest[name] / 1e3:.1f} kN", fontsize=9)
-    panels[-1, 0].set_xlabel("x along the track (m)")
     return figure
 
 

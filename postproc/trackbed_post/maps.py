@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import matplotlib.ticker
 import numpy as np
 
-from trackbed_post import curves, field_files, field_sections, read, write
+from trackbed_post import curves, field_files, field_sections, figure_csv, read, write
 
 COLUMNS = 80      # arrows along the longer side at most
 MARGIN = 0.02     # of it, around arrows
@@ -52,6 +52,7 @@ def draw_arrows(panel, layers, window, choices, scale):
         drawn = panel.quiver(*layer.at[kept].T, *arrows.T, colours, cmap="viridis_r",
                              clim=(0, limit), angles="xy", scale_units="width",
                              scale=limit / length, width=0.0015)
+        figure_csv.state(drawn, f"magnitude, {unit}", colours)
     key = scale_arrow(limit)
     panel.quiverkey(drawn, 0.85, 1.04, key, f"{key:g} {unit}", labelpos="E")
     return drawn, f"{unit} (arrows end at {limit:.3g})" if size.max() > limit else unit, \

@@ -7,7 +7,7 @@ import matplotlib.lines
 import matplotlib.patches
 import numpy as np
 
-from trackbed_post import measures, read
+from trackbed_post import figure_csv, measures, read
 
 LAYERS = ("#e8dcc0", "#d9c7a0", "#c8b184", "#b79b6c")  # from the top down
 STRUCTURE = {"facecolor": "#9aa0a6", "edgecolor": "#4d4d4d", "hatch": "//"}
@@ -181,6 +181,7 @@ class Scene:
                 [], colors=FORCE, capstyle="round", zorder=2.5))
         self.chains.set_segments(chains.lines)
         self.chains.set_linewidths(CHAIN_WIDTH * chains.force / largest)
+        figure_csv.state(self.chains, "contact force, N", chains.force)
         return self.chains
 
     def explain_chains(self, largest):

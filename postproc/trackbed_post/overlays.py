@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from trackbed_post import curves, measured, read, write
+from trackbed_post import curves, figure_csv, measured, read
 
 # Factor to SI and SI unit of a unit as axes state it: those of columns' names, "m/s2" for "_m_s2".
 UNITS = {ending[1:].replace("_", "/"): si for ending, si in measured.UNITS.items()}
@@ -49,8 +49,8 @@ def unit_of_label(label: str) -> tuple[float, str]:
 
 
 def name_of(number: int, panel: Axes) -> str:
-    return (f"panel {number}, {write.axis_label(panel, 'y') or 'without a label'} over "
-            f"{write.axis_label(panel, 'x') or 'an axis without a label'}")
+    return (f"panel {number}, {figure_csv.axis_label(panel, 'y') or 'without a label'} over "
+            f"{figure_csv.axis_label(panel, 'x') or 'an axis without a label'}")
 
 
 def panels_of(figure: Figure) -> dict[int, Axes]:
@@ -59,7 +59,7 @@ def panels_of(figure: Figure) -> dict[int, Axes]:
 
 
 def scales_of(panel: Axes) -> dict[str, tuple[float, str]]:
-    return {which: unit_of_label(write.axis_label(panel, which)) for which in "xy"}
+    return {which: unit_of_label(figure_csv.axis_label(panel, which)) for which in "xy"}
 
 
 def fits(panel: Axes, curve: curves.Curve) -> bool:
@@ -94,7 +94,7 @@ def draw_curve(curve: curves.Curve, panel: Axes, number: int) -> Line2D:
     if not ((x >= low) & (x <= high)).any():
         raise read.Unreadable(f"{curve.name} has x from {x.min():.4g} to {x.max():.4g}, beyond the "
                               f"figure, {low:.4g} to {high:.4g}: "
-                              f"{write.axis_label(panel, 'x')}")
+                              f"{figure_csv.axis_label(panel, 'x')}")
     limits, outside = panel.get_xlim(), (x < low) | (x > high)
     look = {"ls": ":", "lw": 1.6} if len(x) > DENSE else \
         {"ls": "", "marker": MARKERS[number % len(MARKERS)], "ms": 4.5, "mfc": "none"}

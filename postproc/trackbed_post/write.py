@@ -1,7 +1,6 @@
 """Writes files completely or not at all. An error is a read.Unreadable with code 2 if another path
 helps, with code 4 if the disk cannot take the file."""
 import collections.abc
-import csv
 import datetime
 import errno
 import io
@@ -9,10 +8,9 @@ import os
 import pathlib
 
 import matplotlib
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from trackbed_post import read
+from trackbed_post import figure_csv, read
 
 DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 DPI = 130      # of pictures in pixels
@@ -75,34 +73,6 @@ def state_origin(figure: Figure, origin: str) -> None:
                 color="0.4")
 
 
-def axis_label(panel: Axes, which: str) -> str:
-    """Label of the axis, or of a panel that shares it; in one line."""
-    shared = panel.get_shared_x_axes() if which == "x" else panel.get_shared_y_axes()
-    panels = [panel, *shared.get_siblings(panel)]
-    labels = [getattr(one, f"get_{which}label")() for one in panels]
-    return " ".join(next((label for label in labels if label), "").split())
-
-
-def lines_of(figure: Figure) -> str:
-    """All lines of a figure as CSV, a row for each point: title of the panel, labels of its axes,
-    name of the line, x and y as they are drawn. Empty for a picture without lines."""
-    rows = []
-    for number, panel in enumerate(figure.axes):
-        head = (" ".join(panel.get_title().split()) or f"panel {number + 1}",
-                axis_label(panel, "x"), axis_label(panel, "y"))
-        for count, line in enumerate(panel.lines):
-            label = line.get_label()
-            name = f"line {count + 1}" if label.startswith("_") else " ".join(label.split())
-            rows += [(*head, name, f"{x:.9g}", f"{y:.9g}")
-                     for x, y in zip(line.get_xdata(orig=False), line.get_ydata(orig=False))]
-    if not rows:
-        return ""
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(
-        [("panel", "x axis", "y axis", "line", "x", "y"), *rows])
-    return text.getvalue()
-
-
 class Folder:
     """Where a command writes, and what it wrote: `pictures` (of the first format), `tables`
     (texts for a reader), `remarks` (why a figure is missing). `origin`, a line at the lower edge of
@@ -127,8 +97,8 @@ class Folder:
         self.tables.append(text)
 
     def picture(self, name: str, figure: Figure, origin: str = "") -> None:
-        """Writes NAME.png, or the formats asked for, and closes the figure; csv: its lines as
-        NAME_lines.csv. `origin`: of a picture of some of the runs."""
+        """Writes NAME.png, or the formats asked for, and closes the figure; csv: what it
+        shows as NAME_lines.csv. `origin`: of a picture of some of the runs."""
         import matplotlib.pyplot as plt  # here: not needed by those who only read results
         if self.over:
             self.over(name, figure)
@@ -136,7 +106,7 @@ class Folder:
             figure.get_layout_engine().set(rect=(0, ORIGIN, 1, 1 - ORIGIN))
         state_origin(figure, origin or self.origin)
         drawn = [form for form in self.formats if form != "csv"]
-        lines = lines_of(figure) if len(drawn) < len(self.formats) else ""
+        lines = figure_csv.of_figure(figure) if len(drawn) < len(self.formats) else ""
         if lines:
             self.file(f"{name}_lines.csv", lines)
         for form in drawn:

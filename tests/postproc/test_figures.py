@@ -2,13 +2,15 @@
 import csv
 import dataclasses
 import datetime
+import io
 
 import conftest
 import made
 import matplotlib.image
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import bed_on_ground, measures, read, support, write
+from trackbed_post import bed_on_ground, figure_csv, measures, read, support, write
 
 
 def test_figures_of_two_runs_are_drawn(runs, tmp_path):
@@ -330,3 +332,49 @@ def test_pictures_name_program_run_and_day(runs, tmp_path):
     made.write(tmp_path / "one")
     today = datetime.date.today().isoformat()
     assert write.origin_of([tmp_path / "one"]).endswith(f"one, drawn on {today}")
+
+
+def rows_of_csv(path):
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_every_figure_has_its_csv(tmp_path):
+    """Contact forces have their values, areas both edges, places of breaks their points."""
+    run = made.write(tmp_path / "one")
+    ran = conftest.call("figures", run, "-o", tmp_path / "out", "--format", "png,csv")
+    assert ran.returncode == 0, ran.stderr
+    pictures = sorted(path.stem for path in (tmp_path / "out").glob("*.png"))
+    assert pictures == sorted(path.stem.removesuffix("_lines")
+                              for path in (tmp_path / "out").glob("*_lines.csv"))
+    chains = rows_of_csv(tmp_path / "out/force_chains_lines.csv")
+    assert [(row["line"], row["x"], row["y"], row["value"], row["quantity"]) for row in
+            chains[:4]] == [("contact force 1", "1", "0.1", "100", "contact force, N"),
+                            ("contact force 1", "1.1", "0.2", "100", "contact force, N"),
+                            ("contact force 2", "3", "0.1", "900", "contact force, N"),
+                            ("contact force 2", "3", "0.3", "900", "contact force, N")]
+    assert {row["x axis"] for row in chains} == {"x along the track (m)"}
+    split = rows_of_csv(tmp_path / "out/energy_split_lines.csv")
+    edges = [[float(row["y"]) for row in split if row["line"] == f"friction, {edge} edge"]
+             for edge in ("lower", "upper")]
+    time = [float(row["x"]) for row in split if row["line"] == "friction, lower edge"]
+    assert len(time) == 2000 and np.allclose(edges[0], 0)
+    assert np.allclose(edges[1], 5 * np.array(time))  # made with 5 W
+    places = [row for row in rows_of_csv(tmp_path / "out/breakage_lines.csv")
+              if row["y axis"] == "z (m)"]
+    assert [(row["x"], row["y"]) for row in places] == [("0.4", "0.3"), ("0.5", "0.3")]
+
+
+def test_arrows_and_their_magnitude_are_in_the_csv():
+    figure, panel = plt.subplots()
+    arrows = panel.quiver([0.0, 1.0], [2.0, 2.0], [1.0, 0.0], [0.0, 1.0])
+    figure_csv.state(arrows, "magnitude, mm/s", np.array([5.0, 7.0]))
+    panel.fill_between([0, 1], [0, 0], [1, 3])
+    panel.scatter([4], [4])  # without a name: background
+    rows = list(csv.reader(io.StringIO(figure_csv.of_figure(figure))))[1:]
+    plt.close(figure)
+    assert [row[3:] for row in rows] == [
+        ["magnitude", "0", "2", "5", "magnitude, mm/s"],
+        ["magnitude", "1", "2", "7", "magnitude, mm/s"],
+        ["band 2, lower edge", "0", "0", "", ""], ["band 2, lower edge", "1", "0", "", ""],
+        ["band 2, upper edge", "0", "1", "", ""], ["band 2, upper edge", "1", "3", "", ""]]
