@@ -9,8 +9,8 @@ import matplotlib
 matplotlib.use("Agg")
 
 from trackbed_post import (arguments, curves, field_film, field_sections, films,  # noqa: E402
-                           geometry, instants, kinds, maps, overlays, read, report, still,
-                           sweep, vibration, write)
+                           geometry, histogram, instants, kinds, maps, overlays, read,
+                           report, still, sweep, vibration, write)
 from trackbed_post.monitor import command as monitor_command  # noqa: E402
 from trackbed_post.monitor import (ballast, calibration, greens, indicators,  # noqa: E402
                                    passages, regularised)
@@ -90,6 +90,14 @@ def draw_curve(given):
     """a quantity of runs over time or x, beside measured or published curves (CSV)"""
     folder = write.Folder(given.output, write.origin_of(given.results), given.format)
     curves.draw_into(given.results, folder, given.quantity, given.place, given.over, given.shift)
+    print_folders([folder])
+
+
+def draw_histogram(given):
+    """how often values of a dataset occur, of several runs over each other"""
+    choices = histogram.Choices(given.stage, given.place, given.change, given.bins, given.log)
+    folder = write.Folder(given.output, write.origin_of(given.results), given.format)
+    histogram.draw_into(given.results, folder, given.quantity, choices)
     print_folders([folder])
 
 
@@ -358,6 +366,21 @@ def parser():
                      help="a measured or published curve; may be given several times")
     one.add_argument("--shift", type=float, default=0.0, metavar="S",
                      help="offset of the curves of --over along x (m) or time (s)")
+    draws(one)
+    one = command("histogram", draw_histogram)
+    one.add_argument("quantity", help="contact_force, or a dataset such as "
+                     "history/sleeper/displacement")
+    takes_runs(one)
+    one.add_argument("--stage", default="", metavar="NAME",
+                     help="rows of the history in this stage, contact forces at its end; default: "
+                     "all rows, the last stage")
+    one.add_argument("--place", type=int, metavar="K",
+                     help="column of the dataset, counted from 0; default: all")
+    one.add_argument("--change", action="store_true",
+                     help="counts the differences from the first row")
+    one.add_argument("--bins", type=arguments.count, default=histogram.BINS,
+                     help="default: %(default)s")
+    one.add_argument("--log", action="store_true", help="logarithmic axis of the shares")
     draws(one)
     one = command("sweep", run_sweep)
     one.add_argument("deck", type=pathlib.Path)

@@ -1,0 +1,167 @@
+"""Histograms of a dataset of results.h5, of several runs over each other.
+
+A history counts all its rows, or those of one stage. What is computed: docs/postproc.md.
+"""
+import collections.abc
+import dataclasses
+import pathlib
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from trackbed_post import curves, read, track_figures, write
+
+CONTACT_FORCE = "contact_force"  # at the end of a stage: chains/STAGE/force
+BINS = 40
+QUANTILES = {"least": 0, "5 %": 5, "median": 50, "95 %": 95, "largest": 100}
+
+
+@dataclasses.dataclass(frozen=True)
+class Choices:
+    """`stage`: its rows, or contact forces at its end; `place`: number of the column, None for all;
+    `change`: difference from the first row; `log`: axis of the shares."""
+    stage: str = ""
+    place: int | None = None
+    change: bool = False
+    bins: int = BINS
+    log: bool = False
+
+
+@dataclasses.dataclass(frozen=True)
+class Sample:
+    """Values of a run, SI; `name` for legends, `left_out`: how many were not numbers."""
+    name: str
+    values: np.ndarray
+    unit: str
+    left_out: int = 0
+
+
+def _known(every: read.Quantities) -> list[str]:
+    return [name for name, item in every.items() if item.values.dtype.kind in "fiu"]
+
+
+def _dataset_of(every: read.Quantities, quantity: str, stage: str) -> str:
+    """Name of the dataset; contact forces are those at the end of the stage, or the last one."""
+    if quantity != CONTACT_FORCE:
+        return quantity
+    stages = [name for name in every if name.startswith("chains/") and name.endswith("/force")]
+    wanted = [name for name in stages if name == f"chains/{stage}/force"] if stage else stages
+    if not wanted:
+        raise read.Unreadable(f"there are no contact forces{f' of a stage {stage}' * bool(stage)}; "
+                              f"there are {', '.join(stages) or 'none of any stage'}")
+    return wanted[-1]
+
+
+def _rows_of(every: read.Quantities, deck: read.Deck, stage: str) -> np.ndarray:
+    """Which rows of the histories are those of a stage."""
+    names = [one.get("name") for one in deck.get("stage", [])]
+    if stage not in names or "history/stage" not in every:
+        raise read.Unreadable(f"there is no stage {stage}; the stages are "
+                              f"{', '.join(map(str, names)) or 'not named in this run'}")
+    return every["history/stage"].values == names.index(stage)
+
+
+def _in_order(every: read.Quantities, deck: read.Deck) -> read.Quantities:
+    """Contact forces in the order of the stages; HDF5 lists them alphabetically."""
+    order = [f"chains/{one.get('name')}/force" for one in deck.get("stage", [])]
+    return dict(sorted(every.items(), key=lambda one: order.index(one[0]) if one[0] in order
+                       else -1))
+
+
+def sample_of(path: pathlib.Path, quantity: str, name: str, choices: Choices) -> Sample:
+    deck = read.origin(path)[1]
+    every = _in_order(read.datasets(path), deck)
+    dataset = _dataset_of(every, quantity, choices.stage)
+    if dataset not in _known(every):
+        raise read.Unreadable(f"{name} has no dataset {dataset}; it has {CONTACT_FORCE} and "
+                              f"{', '.join(_known(every))}")
+    item = every[dataset]
+    values = item.values.reshape(len(item.values), -1).astype(float)
+    if choices.stage and dataset.startswith("history/"):
+        values = values[_rows_of(every, deck, choices.stage)]
+    if choices.place is not None:
+        if not 0 <= choices.place < values.shape[1]:
+            raise read.Unreadable(f"--place {choices.place}: {dataset} has the places 0 to "
+                                  f"{values.shape[1] - 1}")
+        values = values[:, [choices.place]]
+    if choices.change and len(values):
+        values = values - values[0]
+    kept = values[np.isfinite(values)]
+    if not len(kept):
+        raise read.Unreadable(f"{name}: {dataset} has no numbers here")
+    words = f"{name}, {dataset.split('/')[1]}" if quantity == CONTACT_FORCE else name
+    return Sample(words, kept, item.unit, values.size - len(kept))
+
+
+def edges_of(samples: collections.abc.Sequence[Sample], bins: int) -> np.ndarray:
+    """Common edges of the bins; equal values are in the middle of one bin."""
+    low = min(float(one.values.min()) for one in samples)
+    high = max(float(one.values.max()) for one in samples)
+    return np.histogram_bin_edges([low, high], bins)
+
+
+def draw(samples: collections.abc.Sequence[Sample], edges: np.ndarray, label: str,
+         choices: Choices) -> plt.Figure:
+    """Fraction of the values in each bin, and of those up to each value."""
+    factor, unit = curves.short_unit(float(np.abs(edges).max()), samples[0].unit)
+    figure, (share, below) = plt.subplots(2, 1, sharex=True, figsize=(9, 7), layout="constrained")
+    for number, one in enumerate(samples):
+        style = curves.STYLES[number % len(curves.STYLES)]
+        count = np.histogram(one.values, edges)[0] / len(one.values)
+        line, = share.step(factor * edges, 100 * np.append(count, count[-1]), style, lw=1.4,
+                           where="post", label=f"{one.name}: {len(one.values)} values, mean "
+                           f"{factor * one.values.mean():.4g} {unit}")
+        share.axvline(factor * one.values.mean(), color=line.get_color(), ls=style, lw=0.7,
+                      label="_mean")
+        below.plot(factor * edges, 100 * np.append(0, np.cumsum(count)), style, lw=1.4,
+                   label=one.name)
+    if choices.log:
+        share.set_yscale("log")
+    share.set(ylabel=f"fraction of the values in each of\n{len(edges) - 1} bins, %",
+              title=f"{label} (thin: mean)")
+    below.set(ylabel="fraction of the values up to x, %", xlabel=f"{label}, {unit}")
+    for panel in (share, below):
+        panel.grid(alpha=0.3)
+    share.legend(fontsize=8)
+    return figure
+
+
+def as_csv(samples: collections.abc.Sequence[Sample], edges: np.ndarray) -> str:
+    """Edges of the bins in SI units, and the number of values of each run in it."""
+    unit = samples[0].unit.replace("/", "_")
+    head = [f"from_{unit}", f"to_{unit}",
+            *(f"count of {one.name}".replace(",", ";") for one in samples)]
+    counts = [np.histogram(one.values, edges)[0] for one in samples]
+    rows = [",".join([f"{low:.9g}", f"{high:.9g}", *map(str, numbers)])
+            for low, high, *numbers in zip(edges, edges[1:], *counts)]
+    return "\n".join([",".join(head), *rows]) + "\n"
+
+
+def table_of(samples: collections.abc.Sequence[Sample], label: str) -> str:
+    lines = [f"{label}, {samples[0].unit}"]
+    for one in samples:
+        ends = ", ".join(f"{name} {np.percentile(one.values, share):.4g}"
+                         for name, share in QUANTILES.items())
+        lines.append(f"{one.name}: {len(one.values)} values, mean {one.values.mean():.4g}, "
+                     f"standard deviation {one.values.std():.4g}, {ends}"
+                     + (f"; {one.left_out} values that are no numbers are left out"
+                        if one.left_out else ""))
+    return "\n".join(lines) + "\n"
+
+
+def draw_into(results: collections.abc.Sequence[pathlib.Path], folder: write.Folder,
+              quantity: str, choices: Choices) -> None:
+    """Picture, CSV and table of a dataset of runs, given by their folders."""
+    folders = [read.folder_of(path) for path in results]
+    samples = [sample_of(path, quantity, name, choices)
+               for path, name in zip(folders, track_figures.names_of(folders))]
+    if len({one.unit for one in samples}) > 1:
+        raise read.Unreadable("the runs have different units: "
+                              + ", ".join(f"{one.name} {one.unit}" for one in samples))
+    edges = edges_of(samples, choices.bins)
+    label = quantity.replace("_", " ") if quantity == CONTACT_FORCE else quantity
+    label += f" in stage {choices.stage}" if choices.stage and quantity != CONTACT_FORCE else ""
+    label += ", change from the first row" if choices.change else ""
+    folder.picture("histogram", draw(samples, edges, label, choices))
+    folder.file("histogram.csv", as_csv(samples, edges))
+    folder.table("histogram.txt", table_of(samples, label))
