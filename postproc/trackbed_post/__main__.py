@@ -9,8 +9,8 @@ import matplotlib
 matplotlib.use("Agg")
 
 from trackbed_post import (arguments, curves, field_film, field_sections, films,  # noqa: E402
-                           geometry, histogram, instants, kinds, maps, overlays, read,
-                           report, still, sweep, vibration, write)
+                           geometry, histogram, instants, kinds, maps, overlays, program,
+                           read, report, still, sweep, vibration, write)
 from trackbed_post.monitor import command as monitor_command  # noqa: E402
 from trackbed_post.monitor import (ballast, calibration, greens, indicators,  # noqa: E402
                                    passages, regularised)
@@ -45,10 +45,11 @@ def film(given):
 
 def write_report(given):
     """one HTML file of a run, or of several side by side"""
+    choices = report.Choices(given.over, given.measured, given.program)
     if given.every:
-        report.follow(given.results, given.output, given.over, given.every, given.measured)
+        report.follow(given.results, given.output, choices, given.every)
     else:
-        report.write_report(given.results, given.output, given.over, measured=given.measured)
+        report.write_report(given.results, given.output, choices)
     print(f"{given.output}: {given.output.stat().st_size / 1e6:.1f} MB")
 
 
@@ -124,7 +125,7 @@ def run_sweep(given):
     if not given.deck.is_file():
         raise read.Unreadable(f"{given.deck} does not exist")
     done, ending = sweep.run_all(given.deck, sweep.cases(varied, given.output),
-                                sweep.find_program(given.program), given.ranks)
+                                program.find(given.program), given.ranks)
     if done:
         origin = write.origin_of([case.folder for case in done])
         folder = write.Folder(given.output, origin, given.format)
@@ -160,7 +161,7 @@ def find_ballast(given):
     """stiffness of the ballast, and a void, below the sleeper with the sensor"""
     folder = write.Folder(given.output, f"{pathlib.Path(given.signal).name}, {given.deck.name}",
                           given.format)
-    calibration.calibrate(given.signal, folder, given.deck, sweep.find_program(given.program),
+    calibration.calibrate(given.signal, folder, given.deck, program.find(given.program),
                           given.sensor, given.speed, given.without, given.noise)
     print_folders([folder])
 
@@ -216,6 +217,10 @@ def parser():
                          help=f"one or more of {', '.join(arguments.FORMATS)}, with commas between "
                          "them; csv: the lines of each figure")
 
+    def takes_program(one):
+        one.add_argument("--program", type=pathlib.Path, metavar="TRACKBED",
+                         help="default: build/release/trackbed, or that on the PATH")
+
     def lays_over(one):
         one.add_argument("--measured", action="append", default=[],
                          metavar="FIGURE=FILE.csv[:X:Y]",
@@ -258,6 +263,7 @@ def parser():
                      metavar=("QUANTITY", "FILE.csv[:X:Y]"),
                      help="draws a measured or published curve over this quantity")
     lays_over(one)
+    takes_program(one)
     one.add_argument("--every", type=arguments.positive, metavar="SECONDS",
                      help="writes the report again and again while a run computes; a browser "
                      "loads it as often")
@@ -387,7 +393,7 @@ def parser():
     one.add_argument("--vary", nargs="+", action="append", required=True,
                      metavar=("PARAMETER", "VALUE"), help="may be given several times")
     one.add_argument("--ranks", type=int, default=1)
-    one.add_argument("--program", type=pathlib.Path)
+    takes_program(one)
     one.add_argument("--quantity", default="",
                      help="draw this dataset, e.g. envelope/rail/displacement_min")
     one.add_argument("--place", type=int, default=-1)
@@ -453,7 +459,7 @@ def parser():
     one.add_argument("--without", nargs="+", choices=ballast.NAMES[2:], default=[],
                      help="parameters that are not fitted: no void, no dip, fixed length")
     of_sensor(one)
-    one.add_argument("--program", type=pathlib.Path)
+    takes_program(one)
     draws(one)
     one = command("list", list_datasets)
     one.add_argument("file", type=pathlib.Path, metavar="FILE")

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from trackbed_post import (bed_figures, bed_histories, figure_csv, measures, read, signals,
-                           support, write)
+                           stage_histories, support, train_strip, write)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 
 GRAVITY = 9.81        # m/s^2
@@ -38,10 +38,33 @@ def mark_blocks(axes, run):
                   va="bottom", fontsize=8)
 
 
+def train_above(run):
+    """The train over the rows of the passage, its time from their first one; None without one."""
+    rows = run.passage()
+    return train_strip.of_run(run.deck, run.time[rows] - run.time[rows][0],
+                              run.wheel["x"].values[rows]) if "x" in run.wheel else None
+
+
+def panels_below(train, places):
+    """A figure of four panels that share the axis of time, below the train if there is one."""
+    if train is None:
+        return plt.subplots(4, 1, sharex=True, figsize=(9, 10))
+    high = train_strip.HEIGHT * len(places)
+    figure, (strip, *panels) = plt.subplots(
+        5, 1, sharex=True, figsize=(9, 10 + high),
+        gridspec_kw={"height_ratios": (high, 2.2, 2.2, 2.2, 2.2)})
+    train_strip.draw(strip, train, places)
+    return figure, np.array(panels)
+
+
 def sleepers(runs):
     """Histories of displacement, seat load, reaction and filtered acceleration in the passage."""
     needs(all(len(run.sleepers_x) and run.sleeper for run in runs), "no sleepers")
-    figure, panels = plt.subplots(4, 1, sharex=True, figsize=(9, 10))
+    train = train_above(runs[0])
+    places = [train_strip.Place(runs[0].sleepers_x[k], f"x = {runs[0].sleepers_x[k]:.2f} m",
+                                f"C{number}")
+              for number, k in enumerate(measures.chosen_sleepers(runs[0]))]
+    figure, panels = panels_below(train, places)
     deepest = []
     for number, run in enumerate(runs):
         rows = run.passage()
@@ -52,19 +75,22 @@ def sleepers(runs):
         acceleration = FILTER(time, run.sleeper["acceleration"].values[rows]) / GRAVITY
         shown = (sunk, -run.sleeper["seat_force"].values[rows] / 1e3,
                  run.sleeper["reaction"].values[rows] / 1e3, acceleration)
-        for k in measures.chosen_sleepers(run):
+        for colour, k in enumerate(measures.chosen_sleepers(run)):
             for panel, values in zip(panels, shown):
                 panel.plot(time, values[:, k], lw=1, ls="-" if number == 0 else "--",
+                           color=f"C{colour + 3 * number}",
                            label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
     labels = ("displacement (mm, up)", "seat load (kN, down)", "reaction of stones (kN, up)",
               f"acceleration (g)\n{FILTER.name_for(time)}")
     for panel, label in zip(panels, labels):
         panel.set_ylabel(label)
         panel.grid(alpha=0.3)
+        for place in places if train else ():
+            train_strip.mark(panel, train, place)
     panels[0].legend(fontsize=7, ncol=len(runs))
     stage = "passage" if all(run.has_passage() for run in runs) else "last stage"
     panels[-1].set_xlabel(f"time since the {stage} began (s)")
-    panels[0].set_title(f"Sleepers during the {stage}; lowest of all: " + ", ".join(
+    figure.axes[0].set_title(f"Sleepers during the {stage}; lowest of all: " + ", ".join(
         f"{run.name} {low:.3f} mm" for run, low in zip(runs, deepest)))
     return figure
 
@@ -312,7 +338,7 @@ def overview(runs):
 
 FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "stress": stress,
            "spectrum": spectra, "force_chains": force_chains, "energy": energy,
-           **bed_figures.FIGURES, **bed_histories.FIGURES}
+           **bed_figures.FIGURES, **bed_histories.FIGURES, **stage_histories.FIGURES}
 
 
 # They show the ends of stages.

@@ -33,6 +33,7 @@ class Quantity:
 
 
 Quantities = dict[str, Quantity]  # by their names
+NOTHING = Quantity(np.empty(0), "", "")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -76,6 +77,7 @@ class Results:
     walls: dict[str, Quantities]  # per wall `force`, N, and `displacement`, m: [time, x y z]
     platen: Quantities  # `z`, m, and `pressure`, Pa: [time]; `force`, N: [time, x y z]
     regions: dict[str, Quantities]  # per region; [time, cell], tensors [time, cell, 6]
+    wheel: Quantities  # of a train: `x`, m, and `force`, N: [time, wheel]
     sensors: dict[str, Quantities]  # per sensor: [time], [time, x y z]; stress [time, 6]
     placed: dict[str, Quantities]  # per stone placed by the deck: [time], [time, x y z]
     surfaces: dict[str, Quantities]  # per plate and box force, impulse, peak_force, displacement
@@ -262,6 +264,7 @@ def _results(file_path: pathlib.Path, file: h5py.File) -> Results:
         energy=_quantities(file, "history/energy"),
         grading=_array(file, "bed/grading").reshape(-1, 4),
         walls=_named(file, "history/wall"),
+        wheel=_of_places(file, "history/wheel"),
         sensors=_named(file, "history/sensor"),
         placed=_named(file, "history/stone"),
         surfaces=_named(file, "history/surface"),

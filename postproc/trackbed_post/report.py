@@ -1,11 +1,13 @@
 """One HTML file of a run, or of two side by side: what was modelled, stages, warnings, figures,
 numbers, balances and cost. It needs no other file and can be sent as it is.
 
-Figures and numbers are those of the command `figures`. While a run goes on, the report shows how
-far it is and what its histories hold up to now; stages, balances and cost follow when summary.json
-exists. A report can be written again and again until its runs have ended.
+The model is drawn by the program; figures and numbers are those of the command `figures`. While a
+run goes on, the report shows how far it is and what its histories hold up to now; stages, balances
+and cost follow when summary.json exists. A report can be written again and again until its runs
+have ended.
 """
 import base64
+import dataclasses
 import functools
 import html
 import math
@@ -13,7 +15,7 @@ import pathlib
 import tempfile
 import time
 
-from trackbed_post import curves, kinds, overlays, progress, read, write
+from trackbed_post import curves, kinds, overlays, program, progress, read, write
 
 
 STYLE = """
@@ -25,6 +27,15 @@ img { max-width: 100%; border: 1px solid #ddd; }
 pre { background: #f4f4f4; padding: 0.8em; overflow-x: auto; }
 .warning { border-left: 0.4em solid #b00; padding-left: 0.8em; }
 """
+
+
+@dataclasses.dataclass(frozen=True)
+class Choices:
+    """`over`: (quantity, file) of measured or published curves, as in curves.draw_into();
+    `measured`: texts of overlays.of_text(); `program`: which draws the model."""
+    over: tuple = ()
+    measured: tuple = ()
+    program: pathlib.Path | None = None
 
 
 class Run:
@@ -53,9 +64,13 @@ def element(tag, text, **attributes):
     return f"<{tag}{words}>{html.escape(text)}</{tag}>"
 
 
+def image(name, kind, content):
+    data = base64.b64encode(content).decode()
+    return f'<img alt="{html.escape(name)}" src="data:image/{kind};base64,{data}">'
+
+
 def embedded(path):
-    data = base64.b64encode(path.read_bytes()).decode()
-    return f'<img alt="{html.escape(path.stem)}" src="data:image/png;base64,{data}">'
+    return image(path.stem, "png", path.read_bytes())
 
 
 def table(head, rows):
@@ -134,13 +149,26 @@ def compared_with(results, over):
             for quantity, file in over]
 
 
-def figures_of(runs, folder, over, measured):
-    """Pictures and numbers of each kind of figure, with the curves of `measured` over them, and of
-    each comparison in `over`."""
-    curves_over = overlays.Overlays(measured)
+def models_of(runs, given):
+    """The model of each deck, seen from the side; `given`: the program. Equal drawings once."""
+    drawn = {}
+    for run in runs:
+        try:
+            drawn.setdefault(program.drawing(run.text, given), []).append(run.name)
+        except read.Unreadable as why:
+            drawn[element("p", f"{run.name}: {why}")] = []
+    return "\n".join(element("h3", " and ".join(names)) + image("model", "svg+xml", text.encode())
+                     if names else text for text, names in drawn.items())
+
+
+def figures_of(runs, folder, choices):
+    """Pictures and numbers of each kind of figure, with measured curves over them, and of each
+    comparison with others."""
+    curves_over = overlays.Overlays(choices.measured)
     parts = []
     results = [run.folder for run in runs]
-    every = [*kinds.parts_of(results, kinds.of_deck(runs[0].deck)), *compared_with(results, over)]
+    every = [*kinds.parts_of(results, kinds.of_deck(runs[0].deck)),
+             *compared_with(results, choices.over)]
     for i, part in enumerate(every):
         made = write.Folder(folder / str(i), write.origin_of(part.results),
                             over=curves_over)
@@ -171,13 +199,14 @@ def progress_of(runs, folder):
     return parts
 
 
-def page(runs, folder, over, every=0, measured=()):
+def page(runs, folder, choices, every=0):
     """`every`: seconds after which a browser loads the document again; 0: never."""
     head = ["", *(run.name for run in runs)]
     parts = [element("h1", " and ".join(run.name for run in runs)),
              table(head, side_by_side(runs, facts_of)), *progress_of(runs, folder),
              element("h2", "Warnings"), warnings_of(runs),
-             element("h2", "Figures and numbers"), figures_of(runs, folder, over, measured)]
+             element("h2", "Models"), models_of(runs, choices.program),
+             element("h2", "Figures and numbers"), figures_of(runs, folder, choices)]
     for run in runs:
         heading, rows = stages_of(run)
         if rows:
@@ -195,30 +224,31 @@ def page(runs, folder, over, every=0, measured=()):
             f"<style>{STYLE}</style></head>\n<body>\n" + "\n".join(parts) + "\n</body></html>\n")
 
 
-def write_report(results, file, over=(), every=0, measured=()):
-    """Writes the report of one run or of several, given by their folders. `over`: (quantity, file)
-    of measured or published curves, as in curves.draw_into(). `every`: seconds after which a
-    browser loads it again; 0: never. `measured`: texts of overlays.of_text()."""
+def write_report(results, file, choices=Choices(), every=0):
+    """Writes the report of one run or of several, given by their folders. `every`: seconds after
+    which a browser loads it again; 0: never."""
     runs = [Run(folder) for folder in results]
     kinds.require_comparable([run.deck for run in runs])
-    for quantity, other in over:  # before anything is drawn
+    if choices.program:
+        program.find(choices.program)
+    for quantity, other in choices.over:  # before anything is drawn
         curves.of_file(other)
         curves.of_run(runs[0].folder, quantity)
     write.folder(file.resolve().parent)
     with tempfile.TemporaryDirectory() as folder:
-        write.whole(file, page(runs, pathlib.Path(folder), over, every, measured).encode())
+        write.whole(file, page(runs, pathlib.Path(folder), choices, every).encode())
 
 
-def follow(results, file, over, every, measured=()):
+def follow(results, file, choices, every):
     """Writes the report every so many seconds while one of the runs computes, and once more when
     none does. Results that cannot be read, as in the moment in which they are written, leave the
     report as it was."""
     folders = [read.folder_of(one) for one in results]
-    write_report(results, file, over, every, measured)  # with all that is wrong in the command
+    write_report(results, file, choices, every)  # with all that is wrong in the command
     while any(progress.computes(one) for one in folders):
         time.sleep(every)
         try:
-            write_report(results, file, over, every, measured)
+            write_report(results, file, choices, every)
         except read.Unreadable as why:
             print(f"the report stays as it was: {why}", flush=True)
-    write_report(results, file, over, measured=measured)
+    write_report(results, file, choices)

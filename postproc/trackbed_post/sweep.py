@@ -7,10 +7,8 @@ that were stopped.
 import dataclasses
 import itertools
 import json
-import os
 import pathlib
 import re
-import shutil
 import signal
 import subprocess
 
@@ -58,16 +56,6 @@ def cases(varied, folder):
         raise read.Unreadable("two combinations have the same folder "
                               f"{max(names, key=names.count)}: is a value given twice?")
     return found
-
-
-def find_program(given):
-    """The program: as given, or built beside this package, or on the PATH."""
-    built = pathlib.Path(__file__).resolve().parents[2] / "build/release/trackbed"
-    found = given or (built if built.is_file() else shutil.which("trackbed"))
-    if not found or not os.path.isfile(found) or not os.access(found, os.X_OK):
-        raise read.Unreadable(f"{found} is not a program; give another --program" if found else
-                              "trackbed was not found (build/release, PATH): give --program")
-    return pathlib.Path(found).resolve()
 
 
 def state_of(case):

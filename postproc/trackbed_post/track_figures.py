@@ -12,10 +12,11 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import read, signals, track_measures
+from trackbed_post import read, signals, track_measures, train_strip
 
 FILTER = signals.LowPass()
 SHOWN_AXLES = 4  # axles of the first rolling vehicle
+SHOWN_PLACES = 3  # sleepers below the train
 
 
 def history(run, name):
@@ -240,8 +241,31 @@ def draw_acceleration(run, _, panel):
     panel.set(ylabel=f"acceleration, m/s2\n{FILTER.name_for(time)}", xlabel="time, s")
 
 
-def draw(run, length):
-    """A panel for each quantity of the run; None for a run without wheels, forces and points."""
+def train_above(run, deck):
+    """(Train, Places): the train above the first sleepers with histories, of two rails each once;
+    None without a train or without sleepers."""
+    if "history/wheel/x" not in run or "sleepers/x" not in run:
+        return None
+    train = train_strip.of_run(deck, run["history/time"].values, history(run, "wheel/x"))
+    twice = 1 + two_rails(run)
+    at = run["sleepers/x"].values.ravel()[::twice][:SHOWN_PLACES]
+    found = [train_strip.Place(x, f"x = {x:g} m", f"C{twice * k}") for k, x in enumerate(at)]
+    return (train, found) if train and any(train_strip.times_at(train, x).size for x in at) \
+        else None
+
+
+def draw_train_above(above, strip, panels):
+    """The train in the panel `strip`, and its axles in the panels over time."""
+    train_strip.draw(strip, *above)
+    for panel in panels:
+        panel.set_xlim(strip.get_xlim())
+        for place in above[1]:
+            train_strip.mark(panel, above[0], place)
+
+
+def draw(run, length, deck):
+    """A panel for each quantity of the run; None for a run without wheels, forces and points. The
+    train is above those over time."""
     drawn = []
     if "history/wheel/force" in run:
         drawn.append(draw_wheels)
@@ -253,13 +277,21 @@ def draw(run, length):
         drawn += [draw_seats, draw_acceleration]
     if not drawn:
         return None
-    figure, panels = plt.subplots(len(drawn), 1, figsize=(8, 2 + 2 * len(drawn)), squeeze=False,
-                                  layout="constrained")
-    for draw_one, panel in zip(drawn, panels[:, 0]):
+    above = train_above(run, deck)
+    heights = [2.0] * len(drawn)
+    if above:
+        heights.insert(1, train_strip.HEIGHT * len(above[1]))
+    figure, panels = plt.subplots(len(heights), 1, figsize=(8, 2 + sum(heights)), squeeze=False,
+                                  layout="constrained", gridspec_kw={"height_ratios": heights})
+    panels = list(panels[:, 0])
+    strip = panels.pop(1) if above else None
+    for draw_one, panel in zip(drawn, panels):
         draw_one(run, length, panel)
         panel.grid(alpha=0.3)
         if panel.lines:
             panel.legend(fontsize=7, ncols=2)
+    if above:
+        draw_train_above(above, strip, panels[1:])
     return figure
 
 
@@ -382,7 +414,7 @@ def draw_into(results, folder):
     """Pictures and table of one run; `results`: its folder, in a list."""
     run, deck, found = opened(results[0])
     length = deck["track"]["length"]
-    if histories := draw(run, length):
+    if histories := draw(run, length, deck):
         folder.picture("track", histories)
     if along := draw_envelope(run):
         folder.picture("envelope", along)

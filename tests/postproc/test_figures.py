@@ -299,7 +299,8 @@ def test_a_run_without_ground_draws_the_other_figures(tmp_path):
     bed_on_ground.draw_all([read.results(made.write(tmp_path / "bed", ground=False))], folder)
     assert {path.stem for path in folder.pictures} == {
         "sleepers", "spectrum", "energy", "force_chains", "regions", "forces", "grading",
-        "section", "breakage", "bonds", "sensors", "stress_paths", "support", "energy_split"}
+        "section", "breakage", "bonds", "sensors", "stress_paths", "support", "energy_split",
+        "stages"}
     assert any(one.endswith(" has no ground, or no history of it") for one in folder.remarks)
 
 

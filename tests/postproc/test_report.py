@@ -1,4 +1,5 @@
 """The report of one run and of two: complete, well formed and without other files."""
+import base64
 import fcntl
 import html.parser
 import json
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from made import store
 from trackbed_post import kinds, progress, read, report
+from trackbed_post import program as trackbed_program
 
 VOID = {"meta", "img"}
 
@@ -68,9 +70,18 @@ def made(folder, ended=True, deck='title = "5 < 6"\nmodel = "track"\n[track]\nle
     return folder
 
 
+def program(folder, words):
+    """A program that takes the place of trackbed."""
+    path = folder / "trackbed"
+    path.write_text(f"#!/bin/sh\n{words}\n", encoding="utf-8")
+    path.chmod(0o755)
+    return path
+
+
 def write_report(folder, *runs):
     path = folder / "out/report.html"
-    return conftest.call("report", *runs, "-o", path), path
+    drawer = program(folder, 'echo "<svg>$1</svg>" > model.svg')
+    return conftest.call("report", *runs, "-o", path, "--program", drawer), path
 
 
 def test_report_of_two_runs_needs_no_other_file(tmp_path):
@@ -86,6 +97,34 @@ def test_report_of_two_runs_needs_no_other_file(tmp_path):
     assert {"track: one", "track: two"} <= set(page.text["h3"])
     row = "sleeper at 4.2 m, largest downward displacement"
     assert any(row in text for text in page.text["pre"])
+
+
+def test_equal_models_are_drawn_once(tmp_path):
+    other = 'title = "other"\nmodel = "track"\n[track]\nlength = 20\n'
+    ran, path = write_report(tmp_path, made(tmp_path / "one"), made(tmp_path / "two"),
+                             made(tmp_path / "three", deck=other))
+    assert ran.returncode == 0, ran.stderr
+    page = Page(path.read_text(encoding="utf-8"))
+    drawn = [source for source in page.sources if source.startswith("data:image/svg+xml;base64,")]
+    # The fake program draws the same for both decks.
+    assert len(drawn) == 1 and "one and two and three" in page.text["h3"]
+    assert base64.b64decode(drawn[0].partition(",")[2]) == b"<svg>check</svg>\n"
+
+
+def test_a_model_whose_cell_is_gone_is_drawn_without_it(tmp_path):
+    drawer = program(tmp_path, 'case "$*" in\n*bed.cell=*) echo "<svg/>" > model.svg;;\n'
+                     '*) echo "bed.cell does not exist" >&2; exit 2;;\nesac')
+    assert trackbed_program.drawing("a = 1", drawer) == "<svg/>\n"
+
+
+def test_a_report_without_the_program_says_so(tmp_path):
+    drawer = program(tmp_path, 'echo "no such key" >&2; exit 2')
+    path = tmp_path / "report.html"
+    ran = conftest.call("report", made(tmp_path / "one"), "-o", path, "--program", drawer)
+    assert ran.returncode == 0 and any("the model was not drawn" in text and "no such key" in text
+                                       for text in Page(path.read_text()).text["p"])
+    ran = conftest.call("report", tmp_path / "one", "-o", path, "--program", tmp_path / "none")
+    assert ran.returncode == 2 and "is not a program" in ran.stderr
 
 
 def test_of_several_beds_the_first_is_beside_each_other(tmp_path):

@@ -60,7 +60,7 @@ def test_wheels_of_two_rails_are_left_and_right():
     run["rail/x"] = read.Quantity(np.array([5.0, 5.0]), "m", "made for a test")
     dent = np.repeat(run["history/rail/displacement"].values[:, None], 2, axis=1)
     run["history/rail/displacement"] = read.Quantity(dent, "m", "made for a test")
-    figure = track_figures.draw(run, 20)
+    figure = track_figures.draw(run, 20, {})
     assert [line.get_label() for line in figure.axes[0].lines] == [
         f"axle {axle}, {side}" for axle in range(1, 5) for side in ("left", "right")]
     plt.close(figure)
@@ -76,12 +76,12 @@ def test_the_first_wheel_is_one_that_rolls():
     x = run["history/wheel/x"].values[:, 1]
     path = track_measures.loaded_rail(x, height[:, 1], 0, 20)[1]
     assert d1 == pytest.approx(1e3 * path.std()) and d1 > 0.1
-    figure = track_figures.draw(run, 20)
+    figure = track_figures.draw(run, 20, {})
     assert [line.get_label() for line in figure.axes[0].lines] == ["wheel 2"]
     plt.close(figure)
     run["history/wheel/height"] = read.Quantity(0 * height, "m", "made for a test")
     assert not any("loaded rail" in name for name in track_figures.numbers(run, 20))
-    figure = track_figures.draw(run, 20)
+    figure = track_figures.draw(run, 20, {})
     assert len(figure.axes[0].lines) == 2
     plt.close(figure)
 
@@ -97,9 +97,10 @@ def test_rail_sleeper_and_seat():
     assert "not filtered" in name and found[name][0] == pytest.approx(2)
 
 
-@pytest.mark.parametrize("sleepers, panels", [(True, 4), (False, 2)])
+@pytest.mark.parametrize("sleepers, panels", [(True, 5), (False, 2)])
 def test_panels(sleepers, panels):
-    figure = track_figures.draw(made(sleepers), 20)
+    """Four quantities below each other, with the train above those over time."""
+    figure = track_figures.draw(made(sleepers), 20, {})
     assert len(figure.axes) == panels
     plt.close(figure)
 
@@ -116,7 +117,7 @@ def test_run_without_points_of_the_rail():
     del run["history/rail/displacement"], run["history/wheel/force"], run["history/wheel/x"]
     run["rail/x"] = read.Quantity(np.array([]), "m", "made for a test")
     assert not any(name.startswith("rail") for name in track_figures.numbers(run, 20))
-    plt.close(track_figures.draw(run, 20))
+    plt.close(track_figures.draw(run, 20, {}))
     assert track_figures.receptances(run) is None
 
 
@@ -182,7 +183,8 @@ def test_receptance_of_an_impact():
     exact = 1 / (4e7 + 2j * np.pi * frequency * 1e4 - 100 * (2 * np.pi * frequency)**2)
     assert np.allclose(found["5 m"], exact, rtol=1e-6)
     assert len(track_figures.table_of(frequency, found).splitlines()) == len(frequency) + 1
-    for figure in (track_figures.draw_receptances(frequency, found), track_figures.draw(run, 20)):
+    for figure in (track_figures.draw_receptances(frequency, found),
+                   track_figures.draw(run, 20, {})):
         plt.close(figure)
     assert "rail at 5 m, largest downward displacement" in track_figures.numbers(run, 20)
     assert track_figures.receptances(made()) is None

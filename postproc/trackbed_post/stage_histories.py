@@ -1,0 +1,116 @@
+"""Histories of sleepers and platen over all stages of a run, a column for each stage: how the bed
+came into the state in which a train or load passes over it.
+"""
+import collections.abc
+import dataclasses
+import functools
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from trackbed_post import measures, read
+from trackbed_post.bed_figures import Missing, needs
+
+STYLES = ("-", "--")  # of the runs
+WIDTH = 2.6           # inches of a column
+MOST = 8              # columns: of more stages the last ones are shown
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """A quantity: label, and its values of a run, [time, line]."""
+    label: str
+    of: collections.abc.Callable[[read.Results], np.ndarray]
+    sleepers: bool = True  # a line for each sleeper shown
+
+
+def names_of(run: read.Results) -> list[str]:
+    return [stage.get("name", "") for stage in run.deck.get("stage", [])]
+
+
+def settled(run: read.Results) -> np.ndarray:
+    """Displacement of the sleepers, mm, up, since they were placed."""
+    return 1e3 * run.sleeper["displacement"].values
+
+
+def load(name: str, factor: float, run: read.Results) -> np.ndarray:
+    return factor * run.sleeper[name].values
+
+
+def pressure(run: read.Results) -> np.ndarray:
+    return run.platen["pressure"].values.reshape(len(run.time), 1) / 1e3
+
+
+def placed(run: read.Results) -> np.ndarray:
+    """Whether the sleepers exist in each row."""
+    kinds = [stage.get("kind") for stage in run.deck.get("stage", [])]
+    return run.stage >= (kinds.index("sleepers") if "sleepers" in kinds else 0)
+
+
+def rows_of(runs: collections.abc.Sequence[read.Results]) -> list[Row]:
+    """What all runs have."""
+    found = [Row("pressure of the\nplaten (kPa)", pressure, False)] if all(
+        np.any(run.platen.get("pressure", read.NOTHING).values > 0) for run in runs) else []
+    if all(len(run.sleepers_x) and "displacement" in run.sleeper for run in runs):
+        found.append(Row("displacement since\nplaced (mm, up)", settled))
+    for name, label, factor in (("seat_force", "seat load\n(kN, down)", -1e-3),
+                                ("reaction", "reaction of\nstones (kN, up)", 1e-3)):
+        if all(name in run.sleeper and len(run.sleepers_x) for run in runs):
+            found.append(Row(label, functools.partial(load, name, factor)))
+    return found
+
+
+def shown_stages(runs: collections.abc.Sequence[read.Results], rows: list[Row]) -> list[str]:
+    """Names of the stages with rows, in the order of the first run: those with sleepers, or all if
+    there was a platen."""
+    all_of_them = any(not row.sleepers for row in rows)
+    found = [name for number, name in enumerate(names_of(runs[0]))
+             if np.any((runs[0].stage == number) & (all_of_them | placed(runs[0])))]
+    return found[-MOST:]
+
+
+def draw_stage(panels: collections.abc.Sequence[plt.Axes], run: read.Results, stage: str,
+               rows: list[Row], style: str) -> None:
+    """One stage of one run, in a column of panels."""
+    names = names_of(run)
+    here = np.flatnonzero(run.stage == (names.index(stage) if stage in names else -1))
+    if not len(here):
+        return
+    time = run.time[here] - run.time[here][0]
+    for panel, row in zip(panels, rows):
+        values = row.of(run)[here]
+        if not row.sleepers:
+            panel.plot(time, values[:, 0], style, lw=1, color="k", label=run.name)
+            continue
+        if not placed(run)[here].any():
+            continue
+        for number, k in enumerate(measures.chosen_sleepers(run)):
+            panel.plot(time, values[:, k], style, lw=0.9, color=f"C{number}",
+                       label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
+
+
+def stages(runs: collections.abc.Sequence[read.Results]) -> plt.Figure:
+    """Histories of the platen and of three sleepers in each stage."""
+    rows = rows_of(runs)
+    needs(rows, "neither sleepers nor a platen")
+    shown = shown_stages(runs, rows)
+    if len(shown) < 2:
+        raise Missing("the run has one stage only with sleepers or a platen")
+    figure, panels = plt.subplots(len(rows), len(shown), sharex="col", sharey="row", squeeze=False,
+                                  figsize=(2 + WIDTH * len(shown), 1.5 + 2 * len(rows)))
+    for column, stage in zip(panels.T, shown):
+        for run, style in zip(runs, STYLES):
+            draw_stage(column, run, stage, rows, style)
+        column[0].set_title(f"stage {stage}", fontsize=10)
+        column[-1].set_xlabel("time in the stage (s)")
+    for row, line in zip(rows, panels):
+        line[0].set_ylabel(row.label)
+        for panel in line:
+            panel.grid(alpha=0.3)
+    handles, words = panels[-1, -1].get_legend_handles_labels()
+    panels[-1, 0].legend(handles, words, fontsize=7)
+    figure.suptitle("From stage to stage: " + ", ".join(run.name for run in runs), fontsize=10)
+    return figure
+
+
+FIGURES = {"stages": stages}
