@@ -114,22 +114,11 @@ def draw_map(given):
 
 def run_sweep(given):
     """runs a deck with several values of parameters; mean and band over the seeds"""
-    varied = {key: values for key, *values in given.vary}
-    if len(varied) < len(given.vary):
-        raise read.Unreadable("--vary is given twice for the same parameter; list all its values "
-                              "after one --vary")
-    if given.ranks < 1:
-        raise read.Unreadable(f"--ranks {given.ranks}: must be at least 1")
-    if empty := [key for key, values in varied.items() if not values]:
-        raise read.Unreadable(f"--vary {empty[0]}: state one value or more after the parameter")
-    if not given.deck.is_file():
-        raise read.Unreadable(f"{given.deck} does not exist")
-    done, ending = sweep.run_all(given.deck, sweep.cases(varied, given.output),
-                                program.find(given.program), given.ranks)
+    done, ending = sweep.run_all(*sweep.of_options(given))
     if done:
         origin = write.origin_of([case.folder for case in done])
         folder = write.Folder(given.output, origin, given.format)
-        sweep.write_results(done, folder, given.quantity, given.place)
+        sweep.write_results(done, folder, given.quantity, given.place, given.stage)
         print_folders([folder])
     if ending:
         why = read.Unreadable("not all runs have finished")
@@ -391,12 +380,20 @@ def parser():
     one = command("sweep", run_sweep)
     one.add_argument("deck", type=pathlib.Path)
     one.add_argument("--vary", nargs="+", action="append", required=True,
-                     metavar=("PARAMETER", "VALUE"), help="may be given several times")
+                     metavar=("PARAMETER", "VALUE"), help="may be given several times; of a deck "
+                     "before NAME:PARAMETER, with the name of its file")
+    one.add_argument("--before", nargs=2, action="append", default=[],
+                     metavar=("DECK", "PARAMETER[=STAGE]"),
+                     help="runs this deck first and gives its folder, or the end of its stage, to "
+                     "the parameter (bed.cell, start) of the next deck; may be given several "
+                     "times, in order")
     one.add_argument("--ranks", type=int, default=1)
     takes_program(one)
     one.add_argument("--quantity", default="",
                      help="draw this dataset, e.g. envelope/rail/displacement_min")
     one.add_argument("--place", type=int, default=-1)
+    one.add_argument("--stage", default="", metavar="NAME",
+                     help="draws its rows only, over the time since it began")
     draws(one)
     one = command("settlement", draw_settlement)
     takes_runs(one)

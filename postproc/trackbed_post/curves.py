@@ -85,9 +85,20 @@ def _read(path: pathlib.Path, name: str) -> tuple[np.ndarray, str, np.ndarray, s
                 _text(item.attrs.get("units", "")), labels)
 
 
-def of_run(path: pathlib.Path | str, name: str, place: int = -1) -> Curve:
+def _in_stage(path: pathlib.Path, name: str, stage: str) -> np.ndarray:
+    """Which rows of a history are those of a stage."""
+    if not name.startswith("history/"):
+        raise read.Unreadable(f"{name} is no history: it has no rows of a stage {stage}")
+    rows = read.rows_of_stage(read.datasets(path), read.origin(path)[1], stage)
+    if not rows.any():
+        raise read.Unreadable(f"{path.parent.name} has no row of the histories in stage {stage}")
+    return rows
+
+
+def of_run(path: pathlib.Path | str, name: str, place: int = -1, stage: str = "") -> Curve:
     """The Curve of a dataset such as history/rail/displacement. `place`: number of its column (of
-    an envelope on two rails 0 left, 1 right); -1 for the one with the largest range."""
+    an envelope on two rails 0 left, 1 right); -1 for the one with the largest range. `stage`: its
+    rows only, with the time since the first of them."""
     path = pathlib.Path(path)
     path = path / "results.h5" if path.is_dir() else path
     run = path.resolve().parent.name
@@ -96,6 +107,9 @@ def of_run(path: pathlib.Path | str, name: str, place: int = -1) -> Curve:
     x, x_unit, values, unit, labels = _read(path, name)
     if not -1 <= place < values.shape[1]:
         raise read.Unreadable(f"--place {place}: {name} has the places 0 to {values.shape[1] - 1}")
+    if stage:
+        rows = _in_stage(path, name, stage)
+        x, values = x[rows] - x[rows][0], values[rows]
     kept = np.isfinite(values).all(axis=1)
     if not kept.any():
         raise read.Unreadable(f"{run}: {name} has no row with numbers")
@@ -107,10 +121,10 @@ def of_run(path: pathlib.Path | str, name: str, place: int = -1) -> Curve:
 
 
 def of_runs(paths: collections.abc.Sequence[pathlib.Path | str], name: str,
-            place: int = -1) -> Curves:
+            place: int = -1, stage: str = "") -> Curves:
     """Curves at one place: without `place` that of the largest range in the first run."""
-    first = of_run(paths[0], name, place)
-    return [first, *(of_run(path, name, first.place) for path in paths[1:])]
+    first = of_run(paths[0], name, place, stage)
+    return [first, *(of_run(path, name, first.place, stage) for path in paths[1:])]
 
 
 def _chosen(text: pathlib.Path | str) -> tuple[pathlib.Path, list[str]]:

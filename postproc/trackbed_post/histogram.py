@@ -52,15 +52,6 @@ def _dataset_of(every: read.Quantities, quantity: str, stage: str) -> str:
     return wanted[-1]
 
 
-def _rows_of(every: read.Quantities, deck: read.Deck, stage: str) -> np.ndarray:
-    """Which rows of the histories are those of a stage."""
-    names = [one.get("name") for one in deck.get("stage", [])]
-    if stage not in names or "history/stage" not in every:
-        raise read.Unreadable(f"there is no stage {stage}; the stages are "
-                              f"{', '.join(map(str, names)) or 'not named in this run'}")
-    return every["history/stage"].values == names.index(stage)
-
-
 def _in_order(every: read.Quantities, deck: read.Deck) -> read.Quantities:
     """Contact forces in the order of the stages; HDF5 lists them alphabetically."""
     order = [f"chains/{one.get('name')}/force" for one in deck.get("stage", [])]
@@ -78,7 +69,7 @@ def sample_of(path: pathlib.Path, quantity: str, name: str, choices: Choices) ->
     item = every[dataset]
     values = item.values.reshape(len(item.values), -1).astype(float)
     if choices.stage and dataset.startswith("history/"):
-        values = values[_rows_of(every, deck, choices.stage)]
+        values = values[read.rows_of_stage(every, deck, choices.stage)]
     if choices.place is not None:
         if not 0 <= choices.place < values.shape[1]:
             raise read.Unreadable(f"--place {choices.place}: {dataset} has the places 0 to "

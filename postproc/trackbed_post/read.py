@@ -342,6 +342,15 @@ def datasets(path: pathlib.Path | str) -> Quantities:
     return found
 
 
+def rows_of_stage(every: Quantities, deck: Deck, stage: str) -> np.ndarray:
+    """Which rows of the histories of `datasets` are those of a stage of the deck."""
+    names = [str(one.get("name")) for one in deck.get("stage", [])]
+    if stage not in names or "history/stage" not in every:
+        raise Unreadable(f"there is no stage {stage}; the stages are "
+                         f"{', '.join(names) or 'not named in this run'}")
+    return every["history/stage"].values == names.index(stage)
+
+
 def checkpoint(path: pathlib.Path | str, stage: str = "") -> Quantities:
     """Every dataset of a checkpoint; of a folder, that at the end of the stage of this name, or the
     file named in its text file `latest`."""

@@ -2,7 +2,8 @@
 curve over the random seeds.
 
 A combination has a folder of its own. A second call leaves finished runs alone and resumes those
-that were stopped.
+that were stopped. A combination can be a chain: runs of other decks come before, each of which
+hands its state to the next one; combinations with the same values of an earlier run share it.
 """
 import dataclasses
 import itertools
@@ -15,7 +16,8 @@ import subprocess
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import curves, read, track_figures, train_figures, transition, write
+from trackbed_post import (curves, program, read, track_figures, train_figures, transition,
+                           write)
 from trackbed_post.kinds import of_deck
 
 STOPPED = 3  # exit code of a run that a signal or a limit has ended early
@@ -28,12 +30,89 @@ class Case:
     values: dict
     folder: pathlib.Path
 
-    def words(self):
-        return [f"{key}={value}" for key, value in self.values.items()]
-
     def group(self):
         """The values that are no seeds; runs that differ in seeds only are averaged."""
         return tuple((key, value) for key, value in self.values.items() if not is_seed(key))
+
+
+@dataclasses.dataclass(frozen=True)
+class Link:
+    """A deck that is run before, whose folder, or the end of one of its stages, becomes the value
+    of a parameter of the next deck (bed.cell, start)."""
+    deck: pathlib.Path
+    parameter: str
+    stage: str = ""
+
+    def word(self, folder):
+        place = folder / f"stage_{self.stage}.h5" if self.stage else folder
+        return f"{self.parameter}='{place.resolve()}'"
+
+
+@dataclasses.dataclass(frozen=True)
+class Step:
+    """One run of a Case: its deck, values by parameter, folder, and the word that gives it the
+    state of the run before it."""
+    deck: pathlib.Path
+    values: dict
+    folder: pathlib.Path
+    state: str = ""
+
+    def words(self):
+        return [f"{key}={value}" for key, value in self.values.items()]
+
+    def changes(self):
+        return [*self.words(), *([self.state] if self.state else [])]
+
+
+def link_of(deck, text):
+    """The Link of PARAMETER or PARAMETER=STAGE."""
+    parameter, _, stage = text.partition("=")
+    if not parameter or not deck.is_file():
+        raise read.Unreadable(f"--before {deck} {text}: " + (
+            "give PARAMETER or PARAMETER=STAGE" if deck.is_file() else f"{deck} does not exist"))
+    return Link(deck, parameter, stage)
+
+
+def require_owners(varied, chain):
+    """Each parameter NAME:PARAMETER must be one of a deck before, all of which have their own name.
+    """
+    stems = [link.deck.stem for link in chain]
+    if len(set(stems)) < len(stems):
+        raise read.Unreadable("two decks before have the same name "
+                              f"{max(stems, key=stems.count)}: copy one to another name")
+    for key in varied:
+        owner, colon, _ = key.partition(":")
+        if colon and owner not in stems:
+            raise read.Unreadable(f"--vary {key}: no deck {owner} comes before; "
+                                  f"{'there are ' + ', '.join(stems) if stems else 'see --before'}")
+
+
+def of_options(given):
+    """(deck, Cases, trackbed, ranks, Links) of the options of the command."""
+    varied = varied_of(given.vary)
+    chain = [link_of(pathlib.Path(deck), text) for deck, text in given.before]
+    require_owners(varied, chain)
+    if given.ranks < 1:
+        raise read.Unreadable(f"--ranks {given.ranks}: must be at least 1")
+    if not given.deck.is_file():
+        raise read.Unreadable(f"{given.deck} does not exist")
+    return given.deck, cases(varied, given.output), program.find(given.program), given.ranks, chain
+
+
+def steps_of(case, deck, chain=()):
+    """The Steps of a Case, the last of which is that of the deck. Runs before are named by all
+    values up to them."""
+    steps, names, state = [], [], ""
+    for link in chain:
+        owner = f"{link.deck.stem}:"
+        own = {key.removeprefix(owner): value for key, value in case.values.items()
+               if key.startswith(owner)}
+        names += [as_name(key, value) for key, value in own.items()]
+        folder = case.folder.parent / "before" / "_".join([link.deck.stem, *names])
+        steps.append(Step(link.deck, own, folder, state))
+        state = link.word(folder)
+    own = {key: value for key, value in case.values.items() if ":" not in key}
+    return [*steps, Step(pathlib.Path(deck), own, case.folder, state)]
 
 
 def is_seed(key):
@@ -58,23 +137,23 @@ def cases(varied, folder):
     return found
 
 
-def state_of(case):
+def state_of(step):
     """finished, stopped (it can be resumed) or new."""
-    if read.summary(case.folder).get("finished"):
+    if read.summary(step.folder).get("finished"):
         return "finished"
-    return "stopped" if (case.folder / "latest").is_file() else "new"
+    return "stopped" if (step.folder / "latest").is_file() else "new"
 
 
-def require_same_deck(deck, case):
+def require_same_deck(step):
     """A finished run of another deck would be taken for a result of this sweep."""
-    stored = case.folder / "sweep.json"
-    now = {"deck": pathlib.Path(deck).read_text(encoding="utf-8"), "values": case.words()}
-    if case.folder.is_dir() and state_of(case) != "new":
+    stored = step.folder / "sweep.json"
+    now = {"deck": step.deck.read_text(encoding="utf-8"), "values": step.words()}
+    if step.folder.is_dir() and state_of(step) != "new":
         before = json.loads(stored.read_text(encoding="utf-8")) if stored.is_file() else None
         if before != now:
-            raise read.Unreadable(f"{case.folder} holds a run of another deck, or of other values: "
+            raise read.Unreadable(f"{step.folder} holds a run of another deck, or of other values: "
                                   "choose another folder (-o), or remove it")
-    write.folder(case.folder)
+    write.folder(step.folder)
     write.whole(stored, json.dumps(now).encode())
 
 
@@ -90,14 +169,14 @@ def begin(words, log):
     return child, bool(asked)
 
 
-def run(case, deck, program, ranks):
-    """Runs or resumes a case; exit code. Ctrl-C lets the run write its checkpoint first."""
+def run(step, trackbed, ranks):
+    """Runs or resumes a step; exit code. Ctrl-C lets the run write its checkpoint first."""
     start = ["mpirun", "-n", str(ranks), "--oversubscribe", "--bind-to", "none"] if ranks > 1 \
         else []
-    words = ["resume", str(case.folder)] if state_of(case) == "stopped" else \
-        ["run", str(deck), *case.words(), "--force", "-o", str(case.folder)]
-    with open(case.folder / "log.txt", "ab") as log:
-        child, asked = begin([*start, str(program), *words], log)
+    words = ["resume", str(step.folder)] if state_of(step) == "stopped" else \
+        ["run", str(step.deck), *step.changes(), "--force", "-o", str(step.folder)]
+    with open(step.folder / "log.txt", "ab") as log:
+        child, asked = begin([*start, str(trackbed), *words], log)
         try:
             if asked:
                 raise KeyboardInterrupt
@@ -177,10 +256,10 @@ def table_text(done, numbers):
     return "\n".join(lines) + "\n"
 
 
-def draw(done, quantity, place):
+def draw(done, quantity, place, stage=""):
     """Mean (line) and range (band) of a curve over the seeds, for each group."""
     figure, panel = plt.subplots(figsize=(9, 5), layout="constrained")
-    every = curves.of_runs([case.folder for case in done], quantity, place)
+    every = curves.of_runs([case.folder for case in done], quantity, place, stage)
     found = {case.folder: curve for case, curve in zip(done, every)}
     where = every[0].name.partition(", ")[2]
     factor, unit = curves.scale_of(list(found.values()))
@@ -192,7 +271,8 @@ def draw(done, quantity, place):
         words = f"{label(group)} ({len(members)} runs)"
         line = panel.plot(x, y.mean(axis=0), style, label=words)[0]
         panel.fill_between(x, y.min(axis=0), y.max(axis=0), color=line.get_color(), alpha=0.2, lw=0)
-    panel.set(xlabel="time, s" if every[0].x_unit == "s" else f"x, {every[0].x_unit}",
+    clock = f"time since stage {stage} began, s" if stage else "time, s"
+    panel.set(xlabel=clock if every[0].x_unit == "s" else f"x, {every[0].x_unit}",
               ylabel=f"{quantity}, {unit}",
               title=f"{where}; line: mean, band: range over the seeds".removeprefix("; "))
     panel.grid(alpha=0.3)
@@ -200,54 +280,95 @@ def draw(done, quantity, place):
     return figure
 
 
-def require_valid(deck, case, program):
-    """`check` finds an unknown parameter in seconds."""
-    ran = subprocess.run([str(program), "check", str(deck), *case.words()], capture_output=True,
+def problems_of(step, words, trackbed):
+    """What `check` says about a deck that is not valid, line by line."""
+    ran = subprocess.run([str(trackbed), "check", str(step.deck), *words], capture_output=True,
                          text=True, check=False)
-    if ran.returncode:
-        raise read.Unreadable(f"{program} check {deck} {' '.join(case.words())}: "
-                              f"{ran.stderr.strip() or ran.stdout.strip()}")
+    return (ran.stderr.strip() or ran.stdout.strip()).splitlines() if ran.returncode else []
 
 
-def run_all(deck, every, program, ranks):
-    """Runs the Cases in turn and prints how each ends; (those that are finished, exit code)."""
+def require_valid(step, trackbed):
+    """`check` finds an unknown parameter in seconds. That the run before has not left its state
+    yet, which `check` says without the values as well, is no problem."""
+    known = problems_of(step, [step.state], trackbed) if step.state else []
+    if found := [line for line in problems_of(step, step.changes(), trackbed) if line not in known]:
+        raise read.Unreadable(f"{trackbed} check {step.deck} {' '.join(step.words())}: "
+                              + "\n".join(found))
+
+
+def run_all(deck, every, trackbed, ranks, chain=()):
+    """Runs the Cases in turn and prints how each ends; (those that are finished, exit code).
+    `chain`: Links to the decks before."""
     done = []
     try:
-        return done, run_in_turn(deck, every, program, ranks, done)
+        return done, run_in_turn(deck, every, trackbed, ranks, done, chain)
     except KeyboardInterrupt:  # between two runs
         print("stopped; run the same command again to continue")
         return done, STOPPED
 
 
-def run_in_turn(deck, every, program, ranks, done):
+def run_step(step, trackbed, ranks, words, failed):
+    """Runs a step unless it is finished and prints how it ends; exit code. `failed`: folders of
+    those that did, which are not tried again."""
+    require_same_deck(step)
+    if state_of(step) == "finished":
+        print(f"{words}: already finished, skipped")
+        return 0
+    if step.folder in failed:
+        print(f"{words}: has failed before")
+        return read.Unreadable.code
+    print(words, flush=True)
+    code = run(step, trackbed, ranks)
+    if code == STOPPED:
+        print(f"{step.folder}: stopped; run the same command again to continue")
+    elif code:
+        failed.add(step.folder)
+        print(f"{step.folder}: ended with code {code}; the reason is in "
+              f"{step.folder / 'log.txt'}")
+    return code
+
+
+def needed(case, deck, chain):
+    """The Steps of a Case; of a finished one without runs before that were removed meanwhile."""
+    steps = steps_of(case, deck, chain)
+    return [step for step in steps if step.folder.is_dir()] if state_of(case) == "finished" \
+        else steps
+
+
+def run_in_turn(deck, every, trackbed, ranks, done, chain=()):
     """As run_all; appends finished Cases to `done` and returns the exit code."""
-    ending = 0
-    if any(state_of(case) == "new" for case in every):
-        require_valid(deck, every[0], program)
+    ending, failed = 0, set()
+    for step in steps_of(every[0], deck, chain) if any(
+            state_of(case) == "new" for case in every) else ():
+        require_valid(step, trackbed)
     for number, case in enumerate(every, 1):
-        words = f"{number} of {len(every)}: {case.folder}"
-        require_same_deck(deck, case)
-        if state_of(case) == "finished":
-            print(f"{words}: already finished, skipped")
+        for step in needed(case, deck, chain):
+            code = run_step(step, trackbed, ranks, f"{number} of {len(every)}: {step.folder}",
+                            failed)
+            if code == STOPPED:
+                return STOPPED
+            if code:
+                ending = read.Unreadable.code
+                break
+        else:
             done.append(case)
-            continue
-        print(words, flush=True)
-        code = run(case, deck, program, ranks)
-        if code == 0:
-            done.append(case)
-            continue
-        if code == STOPPED:
-            print(f"{case.folder}: stopped; run the same command again to continue")
-            return STOPPED
-        ending = read.Unreadable.code
-        print(f"{case.folder}: ended with code {code}; the reason is in "
-              f"{case.folder / 'log.txt'}")
     return ending
 
 
-def write_results(done, folder, quantity="", place=-1):
+def varied_of(vary):
+    """{parameter: values} of the options --vary."""
+    varied = {key: values for key, *values in vary}
+    if len(varied) < len(vary):
+        raise read.Unreadable("--vary is given twice for the same parameter; list all its values "
+                              "after one --vary")
+    if empty := [key for key, values in varied.items() if not values]:
+        raise read.Unreadable(f"--vary {empty[0]}: state one value or more after the parameter")
+    return varied
+
+
+def write_results(done, folder, quantity="", place=-1, stage=""):
     numbers = [numbers_of(case.folder) for case in done]
     folder.file("sweep.csv", table_csv(done, numbers))
     if quantity:
-        folder.picture("sweep", draw(done, quantity, place))
+        folder.picture("sweep", draw(done, quantity, place, stage))
     folder.table("sweep.txt", table_text(done, numbers))

@@ -149,7 +149,8 @@ def test_cases_of_a_sweep(tmp_path):
                         tmp_path)
     assert [case.folder.name for case in found] == ["seed_1_stiffness_1e8_a_1_2",
                                                     "seed_2_stiffness_1e8_a_1_2"]
-    assert found[0].words() == ["bed.seed=1", "pad.stiffness=1e8", "x.a=[1, 2]"]
+    assert sweep.steps_of(found[0], "a.toml")[0].changes() == ["bed.seed=1", "pad.stiffness=1e8",
+                                                               "x.a=[1, 2]"]
     assert len(sweep.grouped(found)) == 1
     with pytest.raises(read.Unreadable, match="same folder"):
         sweep.cases({"a.x": ["1 2", "1_2"]}, tmp_path)
@@ -169,10 +170,10 @@ def test_sweeps_that_cannot_run_are_refused(tmp_path, words, expected):
 def test_folder_of_another_sweep_is_refused(tmp_path):
     deck = pathlib.Path(tmp_path / "a.toml")
     deck.write_text("title = 'a'\n", encoding="utf-8")
-    case = sweep.cases({"bed.seed": ["1"]}, tmp_path / "out")[0]
-    sweep.require_same_deck(deck, case)
-    (case.folder / "summary.json").write_text(json.dumps({"finished": True}), encoding="utf-8")
-    sweep.require_same_deck(deck, case)
+    step, = sweep.steps_of(sweep.cases({"bed.seed": ["1"]}, tmp_path / "out")[0], deck)
+    sweep.require_same_deck(step)
+    (step.folder / "summary.json").write_text(json.dumps({"finished": True}), encoding="utf-8")
+    sweep.require_same_deck(step)
     deck.write_text("title = 'b'\n", encoding="utf-8")
     with pytest.raises(read.Unreadable, match="another deck"):
-        sweep.require_same_deck(deck, case)
+        sweep.require_same_deck(step)
