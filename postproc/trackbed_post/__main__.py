@@ -1,5 +1,6 @@
 """Figures, tables and films of trackbed runs"""
 import argparse
+import contextlib
 import os
 import pathlib
 import sys
@@ -30,9 +31,19 @@ def print_folders(folders):
             print(table, end="")
 
 
+@contextlib.contextmanager
+def drawn(given, origin):
+    """The folder into which a command draws; prints what was written."""
+    over = overlays.Overlays(getattr(given, "laid", ()))
+    folder = write.Folder(given.output, origin, given.format, over)
+    yield folder
+    print_folders([folder])
+    over.require_drawn()
+
+
 def figures(given):
     """figures and a table of numbers of one run, or of several side by side"""
-    over = overlays.Overlays(given.measured)
+    over = overlays.Overlays(given.laid)
     print_folders(kinds.draw_figures(given.results, given.output, given.kind, given.format, over))
     over.require_drawn()
 
@@ -45,7 +56,7 @@ def film(given):
 
 def write_report(given):
     """one HTML file of a run, or of several side by side"""
-    choices = report.Choices(given.over, given.measured, given.program)
+    choices = report.Choices(given.over, given.laid, given.program)
     if given.every:
         report.follow(given.results, given.output, choices, given.every)
     else:
@@ -61,19 +72,17 @@ def draw_still(given):
 
 def draw_vibration(given):
     """signal, spectrum and third octaves of a history, beside a measured signal"""
-    folder = write.Folder(given.output, write.origin_of([given.results]), given.format)
-    vibration.draw_into(given.results, folder, given.quantity, given.place, given.measured,
-                        given.cut_off)
-    print_folders([folder])
+    with drawn(given, write.origin_of([given.results])) as folder:
+        vibration.draw_into(given.results, folder, given.quantity, given.place, given.measured,
+                            given.cut_off)
 
 
 def draw_geometry(given):
     """longitudinal level in the bands D1, D2, D3 and twist, of files or of runs of a track"""
     runs = [one for one in given.sources if one.is_dir()]
-    folder = write.Folder(given.output, write.origin_of(runs) if runs else "", given.format)
-    geometry.draw_into(given.sources, folder, given.twist_base, given.window, given.speed,
-                       given.irregularity)
-    print_folders([folder])
+    with drawn(given, write.origin_of(runs) if runs else "") as folder:
+        geometry.draw_into(given.sources, folder, given.twist_base, given.window, given.speed,
+                           given.irregularity)
 
 
 def roll_wheels(given):
@@ -82,24 +91,22 @@ def roll_wheels(given):
         tuple(given.wheel), tuple(1e-3 * y for y in given.lateral),
         1 if given.field_side == "+y" else -1, given.radius, given.unit, given.marks, given.origin,
         given.trailing)
-    folder = write.Folder(given.output, given.scan.name, given.format)
-    trajectory_command.trajectory(given.scan, folder, choices)
-    print_folders([folder])
+    with drawn(given, given.scan.name) as folder:
+        trajectory_command.trajectory(given.scan, folder, choices)
 
 
 def draw_curve(given):
     """a quantity of runs over time or x, beside measured or published curves (CSV)"""
-    folder = write.Folder(given.output, write.origin_of(given.results), given.format)
-    curves.draw_into(given.results, folder, given.quantity, given.place, given.over, given.shift)
-    print_folders([folder])
+    with drawn(given, write.origin_of(given.results)) as folder:
+        curves.draw_into(given.results, folder, given.quantity, given.place, given.over,
+                         given.shift)
 
 
 def draw_histogram(given):
     """how often values of a dataset occur, of several runs over each other"""
     choices = histogram.Choices(given.stage, given.place, given.change, given.bins, given.log)
-    folder = write.Folder(given.output, write.origin_of(given.results), given.format)
-    histogram.draw_into(given.results, folder, given.quantity, choices)
-    print_folders([folder])
+    with drawn(given, write.origin_of(given.results)) as folder:
+        histogram.draw_into(given.results, folder, given.quantity, choices)
 
 
 def draw_map(given):
@@ -107,19 +114,18 @@ def draw_map(given):
     choices = field_sections.Choices(given.array, given.component, tuple(given.part), given.plane,
                                      given.at, given.slice, given.window, given.time,
                                      given.relative_to)
-    folder = write.Folder(given.output, maps.origin_of(given.source), given.format)
-    maps.draw_into(given.source, folder, choices)
-    print_folders([folder])
+    with drawn(given, maps.origin_of(given.source)) as folder:
+        maps.draw_into(given.source, folder, choices)
 
 
 def run_sweep(given):
     """runs a deck with several values of parameters; mean and band over the seeds"""
+    overlays.Overlays(given.laid)  # reports what is wrong with them before the first run
     done, ending = sweep.run_all(*sweep.of_options(given))
     if done:
         origin = write.origin_of([case.folder for case in done])
-        folder = write.Folder(given.output, origin, given.format)
-        sweep.write_results(done, folder, given.quantity, given.place, given.stage)
-        print_folders([folder])
+        with drawn(given, origin) as folder:
+            sweep.write_results(done, folder, given.quantity, given.place, given.stage)
     if ending:
         why = read.Unreadable("not all runs have finished")
         why.code = ending
@@ -128,31 +134,26 @@ def run_sweep(given):
 
 def run_monitor(given):
     """displacement, indicators and train of each passage that one accelerometer recorded"""
-    folder = write.Folder(given.output, write.origin_of(given.library) if given.library else "",
-                          given.format)
     choices = passages.Choices(tuple(given.wavelengths), given.noise)
-    monitor_command.monitor(given.passages, folder, given.library, choices, given.workers)
-    print_folders([folder])
+    with drawn(given, write.origin_of(given.library) if given.library else "") as folder:
+        monitor_command.monitor(given.passages, folder, given.library, choices, given.workers)
 
 
 def find_forces(given):
     """wheel forces and irregularity of the running surface from the acceleration of a sleeper"""
-    folder = write.Folder(given.output, f"{pathlib.Path(given.signal).name}, {given.kernel.name}",
-                          given.format)
-    monitor_forces.forces(given.signal, folder, given.kernel, given.speed, first=given.axle - 1,
-                          quantity=given.quantity, method=given.method, criterion=given.criterion,
-                          known_noise=given.noise, refined=given.place == "acceleration",
-                          **({"likeness": 0.0} if given.equal else {}))
-    print_folders([folder])
+    with drawn(given, f"{pathlib.Path(given.signal).name}, {given.kernel.name}") as folder:
+        monitor_forces.forces(
+            given.signal, folder, given.kernel, given.speed, first=given.axle - 1,
+            quantity=given.quantity, method=given.method, criterion=given.criterion,
+            known_noise=given.noise, refined=given.place == "acceleration",
+            **({"likeness": 0.0} if given.equal else {}))
 
 
 def find_ballast(given):
     """stiffness of the ballast, and a void, below the sleeper with the sensor"""
-    folder = write.Folder(given.output, f"{pathlib.Path(given.signal).name}, {given.deck.name}",
-                          given.format)
-    calibration.calibrate(given.signal, folder, given.deck, program.find(given.program),
-                          given.sensor, given.speed, given.without, given.noise)
-    print_folders([folder])
+    with drawn(given, f"{pathlib.Path(given.signal).name}, {given.deck.name}") as folder:
+        calibration.calibrate(given.signal, folder, given.deck, program.find(given.program),
+                              given.sensor, given.speed, given.without, given.noise)
 
 
 # Options of a forecast with their defaults.
@@ -172,9 +173,8 @@ def draw_settlement(given):
         raise read.Unreadable(f"{', '.join(used)}: for a forecast, which needs --traffic")
     if given.lift is not None and given.axle_load is None:
         raise read.Unreadable("--lift (Shenton's law) needs the axle load: give --axle-load")
-    folder = write.Folder(given.output, write.origin_of(given.results), given.format)
-    settlement_command.settlement(given.results, folder, given, forecast)
-    print_folders([folder])
+    with drawn(given, write.origin_of(given.results)) as folder:
+        settlement_command.settlement(given.results, folder, given, forecast)
 
 
 def list_datasets(given):
@@ -200,21 +200,23 @@ def parser():
     def writes(one, what):
         one.add_argument("-o", "--output", type=pathlib.Path, required=True, metavar=what)
 
-    def draws(one):
-        writes(one, "DIR")
-        one.add_argument("--format", type=arguments.formats, default=("png",),
-                         help=f"one or more of {', '.join(arguments.FORMATS)}, with commas between "
-                         "them; csv: the lines of each figure")
-
     def takes_program(one):
         one.add_argument("--program", type=pathlib.Path, metavar="TRACKBED",
                          help="default: build/release/trackbed, or that on the PATH")
 
     def lays_over(one):
-        one.add_argument("--measured", action="append", default=[],
+        one.add_argument("--measured", dest="laid", action="append", default=[],
                          metavar="FIGURE=FILE.csv[:X:Y]",
                          help="draws measured or published curves over a figure; may be given "
                          "several times")
+
+    def draws(one, over=True):
+        writes(one, "DIR")
+        one.add_argument("--format", type=arguments.formats, default=("png",),
+                         help=f"one or more of {', '.join(arguments.FORMATS)}, with commas between "
+                         "them; csv: what each figure shows")
+        if over:
+            lays_over(one)
 
     def of_sensor(one):
         one.add_argument("--noise", type=arguments.noise, metavar="M/S2",
@@ -241,7 +243,6 @@ def parser():
         one = command(name, figures)
         takes_runs(one)
         draws(one)
-        lays_over(one)
         one.add_argument("--kind", choices=kinds.KINDS, default="",
                          help="draw only figures of this kind; default: the kinds that suit the "
                          "deck of the first run")
@@ -311,7 +312,7 @@ def parser():
     one.add_argument("--cut-off", type=float, default=100.0, metavar="HZ",
                      help="cut-off frequency of the low-pass filter of the time history; default: "
                           "%(default)g")
-    draws(one)
+    draws(one, over=False)  # its --measured is the signal beside it
     one = command("geometry", draw_geometry)
     one.add_argument("sources", type=pathlib.Path, nargs="+", metavar="FILE.csv|RESULT_DIR")
     one.add_argument("--twist-base", type=float, nargs="+", default=list(geometry.BASES),

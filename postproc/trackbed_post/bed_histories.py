@@ -2,11 +2,12 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measures, signals, support
+from trackbed_post import measures, signals, support, train_strip
 from trackbed_post.bed_figures import needs
 
 FILTER = signals.LowPass()
 STYLES = ("-", "--")  # of the runs
+MOST = 4              # sensors below the train
 
 
 def time_in_passage(run):
@@ -22,7 +23,11 @@ def sensors(runs):
     panels = {"displacement": "displacement (mm, up)", "velocity": "velocity (mm/s, up)",
               "acceleration": "acceleration (m/s2, up)"}
     names = list(dict.fromkeys(name for run in runs for name in run.sensors))
-    figure, axes = plt.subplots(len(panels), 1, sharex=True, figsize=(10, 8))
+    train = train_strip.of_passage(runs[0])
+    places = [train_strip.Place(sensor["at"][0], f"{sensor['name']}, x = {sensor['at'][0]:g} m",
+                                f"C{names.index(sensor['name']) % 10}")
+              for sensor in runs[0].deck.get("sensor", []) if sensor["name"] in names][:MOST]
+    figure, axes = train_strip.panels_below(train, places, len(panels), (10, 8))
     for run, style in zip(runs, STYLES):
         rows, time, label = time_in_passage(run)
         for number, name in enumerate(names):
@@ -40,7 +45,8 @@ def sensors(runs):
         panel.grid(alpha=0.3)
     axes[2].set_ylabel(f"{panels['acceleration']}\n{FILTER.name_for(time)}")
     axes[1].legend(fontsize=7, loc="center left", bbox_to_anchor=(1, 0.5))
-    axes[0].set_title("Sensors: " + ", ".join(
+    train_strip.mark_all(axes, train, places)
+    figure.axes[0].set_title("Sensors: " + ", ".join(
         f"{run.name} ({words})" for run, words in zip(runs, ("lines", "dashed"))), fontsize=10)
     axes[-1].set_xlabel(label)
     return figure

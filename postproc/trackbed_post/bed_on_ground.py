@@ -38,33 +38,14 @@ def mark_blocks(axes, run):
                   va="bottom", fontsize=8)
 
 
-def train_above(run):
-    """The train over the rows of the passage, its time from their first one; None without one."""
-    rows = run.passage()
-    return train_strip.of_run(run.deck, run.time[rows] - run.time[rows][0],
-                              run.wheel["x"].values[rows]) if "x" in run.wheel else None
-
-
-def panels_below(train, places):
-    """A figure of four panels that share the axis of time, below the train if there is one."""
-    if train is None:
-        return plt.subplots(4, 1, sharex=True, figsize=(9, 10))
-    high = train_strip.HEIGHT * len(places)
-    figure, (strip, *panels) = plt.subplots(
-        5, 1, sharex=True, figsize=(9, 10 + high),
-        gridspec_kw={"height_ratios": (high, 2.2, 2.2, 2.2, 2.2)})
-    train_strip.draw(strip, train, places)
-    return figure, np.array(panels)
-
-
 def sleepers(runs):
     """Histories of displacement, seat load, reaction and filtered acceleration in the passage."""
     needs(all(len(run.sleepers_x) and run.sleeper for run in runs), "no sleepers")
-    train = train_above(runs[0])
+    train = train_strip.of_passage(runs[0])
     places = [train_strip.Place(runs[0].sleepers_x[k], f"x = {runs[0].sleepers_x[k]:.2f} m",
                                 f"C{number}")
               for number, k in enumerate(measures.chosen_sleepers(runs[0]))]
-    figure, panels = panels_below(train, places)
+    figure, panels = train_strip.panels_below(train, places, 4, (9, 10))
     deepest = []
     for number, run in enumerate(runs):
         rows = run.passage()
@@ -85,8 +66,7 @@ def sleepers(runs):
     for panel, label in zip(panels, labels):
         panel.set_ylabel(label)
         panel.grid(alpha=0.3)
-        for place in places if train else ():
-            train_strip.mark(panel, train, place)
+    train_strip.mark_all(panels, train, places)
     panels[0].legend(fontsize=7, ncol=len(runs))
     stage = "passage" if all(run.has_passage() for run in runs) else "last stage"
     panels[-1].set_xlabel(f"time since the {stage} began (s)")

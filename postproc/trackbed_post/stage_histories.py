@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from trackbed_post import measures, read
-from trackbed_post.bed_figures import Missing, needs
+from trackbed_post.bed_figures import needs
 
 STYLES = ("-", "--")  # of the runs
 WIDTH = 2.6           # inches of a column
@@ -50,7 +50,7 @@ def placed(run: read.Results) -> np.ndarray:
 def rows_of(runs: collections.abc.Sequence[read.Results]) -> list[Row]:
     """What all runs have."""
     found = [Row("pressure of the\nplaten (kPa)", pressure, False)] if all(
-        np.any(run.platen.get("pressure", read.NOTHING).values > 0) for run in runs) else []
+        loaded(run).any() for run in runs) else []
     if all(len(run.sleepers_x) and "displacement" in run.sleeper for run in runs):
         found.append(Row("displacement since\nplaced (mm, up)", settled))
     for name, label, factor in (("seat_force", "seat load\n(kN, down)", -1e-3),
@@ -60,13 +60,17 @@ def rows_of(runs: collections.abc.Sequence[read.Results]) -> list[Row]:
     return found
 
 
-def shown_stages(runs: collections.abc.Sequence[read.Results], rows: list[Row]) -> list[str]:
-    """Names of the stages with rows, in the order of the first run: those with sleepers, or all if
-    there was a platen."""
-    all_of_them = any(not row.sleepers for row in rows)
-    found = [name for number, name in enumerate(names_of(runs[0]))
-             if np.any((runs[0].stage == number) & (all_of_them | placed(runs[0])))]
-    return found[-MOST:]
+def loaded(run: read.Results) -> np.ndarray:
+    """Whether the platen applies a load in each row."""
+    values = run.platen.get("pressure", read.NOTHING).values.ravel()
+    return values > 0 if len(values) else np.zeros(len(run.time), bool)
+
+
+def shown_stages(run: read.Results) -> list[str]:
+    """Names of the stages in which the platen applies a load or sleepers are there."""
+    shown = loaded(run) | (placed(run) if len(run.sleepers_x) else False)
+    return [name for number, name in enumerate(names_of(run))
+            if np.any((run.stage == number) & shown)][-MOST:]
 
 
 def draw_stage(panels: collections.abc.Sequence[plt.Axes], run: read.Results, stage: str,
@@ -80,6 +84,8 @@ def draw_stage(panels: collections.abc.Sequence[plt.Axes], run: read.Results, st
     for panel, row in zip(panels, rows):
         values = row.of(run)[here]
         if not row.sleepers:
+            if not loaded(run)[here].any():
+                continue
             panel.plot(time, values[:, 0], style, lw=1, color="k", label=run.name)
             continue
         if not placed(run)[here].any():
@@ -89,26 +95,35 @@ def draw_stage(panels: collections.abc.Sequence[plt.Axes], run: read.Results, st
                        label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
 
 
+def label(panels: np.ndarray, rows: list[Row], shown: list[str]) -> None:
+    """Titles and labels at the outermost panels with lines; the others remain empty."""
+    for panel in panels.ravel():
+        panel.grid(alpha=0.3)
+        if not panel.lines:
+            panel.set_axis_off()
+    for stage, column in zip(shown, panels.T):
+        if full := [panel for panel in column if panel.lines]:
+            full[0].set_title(f"stage {stage}", fontsize=10)
+            full[-1].set_xlabel("time in the stage (s)")
+            full[-1].tick_params(labelbottom=True)
+    for row, line in zip(rows, panels):
+        if full := [panel for panel in line if panel.lines]:
+            full[0].set_ylabel(row.label)
+            full[0].tick_params(labelleft=True)
+
+
 def stages(runs: collections.abc.Sequence[read.Results]) -> plt.Figure:
     """Histories of the platen and of three sleepers in each stage."""
-    rows = rows_of(runs)
+    rows, shown = rows_of(runs), shown_stages(runs[0])
     needs(rows, "neither sleepers nor a platen")
-    shown = shown_stages(runs, rows)
-    if len(shown) < 2:
-        raise Missing("the run has one stage only with sleepers or a platen")
+    needs(len(shown) > 1, "only one stage has sleepers or a platen that applies a load")
     figure, panels = plt.subplots(len(rows), len(shown), sharex="col", sharey="row", squeeze=False,
                                   figsize=(2 + WIDTH * len(shown), 1.5 + 2 * len(rows)))
     for column, stage in zip(panels.T, shown):
         for run, style in zip(runs, STYLES):
             draw_stage(column, run, stage, rows, style)
-        column[0].set_title(f"stage {stage}", fontsize=10)
-        column[-1].set_xlabel("time in the stage (s)")
-    for row, line in zip(rows, panels):
-        line[0].set_ylabel(row.label)
-        for panel in line:
-            panel.grid(alpha=0.3)
-    handles, words = panels[-1, -1].get_legend_handles_labels()
-    panels[-1, 0].legend(handles, words, fontsize=7)
+    label(panels, rows, shown)
+    panels[-1, 0].legend(*panels[-1, -1].get_legend_handles_labels(), fontsize=7)
     figure.suptitle("From stage to stage: " + ", ".join(run.name for run in runs), fontsize=10)
     return figure
 

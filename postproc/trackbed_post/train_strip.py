@@ -5,6 +5,7 @@ import collections.abc
 import dataclasses
 
 import matplotlib.patches
+import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -45,6 +46,13 @@ def of_run(deck: read.Deck, time: np.ndarray, wheel_x: np.ndarray) -> Train | No
     x = axles_of(wheel_x)
     names = tuple(map(str, deck.get("train", {}).get("vehicles", [])))
     return Train(time, x, names) if np.isfinite(x).any() else None
+
+
+def of_passage(run: read.Results) -> Train | None:
+    """The train over the rows of the passage, its time from their first one; None without one."""
+    rows = run.passage()
+    return of_run(run.deck, run.time[rows] - run.time[rows][0],
+                  run.wheel["x"].values[rows]) if "x" in run.wheel else None
 
 
 def times_at(train: Train, place: float) -> np.ndarray:
@@ -102,3 +110,27 @@ def mark(panel: Axes, train: Train, place: Place) -> None:
     for time in np.ravel(times_at(train, place.x)):
         if np.isfinite(time):
             panel.axvline(time, color=place.colour, lw=0.6, ls=":", zorder=0)
+
+
+def panels_below(train: Train | None, places: collections.abc.Sequence[Place], count: int,
+                 size: tuple[float, float]) -> tuple[plt.Figure, list[Axes]]:
+    """A figure of this size, inches, and its panels, which share the axis of time; above them the
+    train, if there is one, for which the figure is higher. Draw, and then `mark_all`."""
+    if train is None or not places:
+        figure, panels = plt.subplots(count, 1, sharex=True, figsize=size)
+        return figure, list(panels)
+    high = HEIGHT * len(places)
+    figure, (strip, *below) = plt.subplots(
+        count + 1, 1, sharex=True, figsize=(size[0], size[1] + high),
+        gridspec_kw={"height_ratios": [high, *[0.88 * size[1] / count] * count]})
+    draw(strip, train, places)
+    return figure, below
+
+
+def mark_all(panels: collections.abc.Iterable[Axes], train: Train | None,
+             places: collections.abc.Iterable[Place]) -> None:
+    if train is None:
+        return
+    for panel in panels:
+        for place in places:
+            mark(panel, train, place)

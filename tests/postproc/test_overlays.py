@@ -114,3 +114,15 @@ def test_a_folder_draws_over_each_figure_before_it_is_written(tmp_path):
     folder = write.Folder(tmp_path, over=lambda name, figure: seen.append((name, len(figure.axes))))
     folder.picture("two", two_panels())
     assert seen == [("two", 2)] and (tmp_path / "two.png").is_file()
+
+
+def test_other_commands_lay_curves_over_their_figures_too(tmp_path):
+    run = track_alone(tmp_path / "one")
+    path = file_of(tmp_path, "x_m,z_mm\n4.2,-0.9\n4.8,1.5\n")
+    words = ("curve", "envelope/rail/displacement_min", run, "-o", tmp_path / "c", "--format",
+             "csv", "--measured")
+    ran = conftest.call(*words, f"curve={path}")
+    assert ran.returncode == 0, ran.stderr
+    assert ",track,4.2,-0.9," in (tmp_path / "c/curve_lines.csv").read_text(encoding="utf-8")
+    ran = conftest.call(*words, f"curves={path}")
+    assert ran.returncode == 2 and "did you mean curve?" in ran.stderr

@@ -1,11 +1,14 @@
 """The train above histories, and histories of all stages."""
+import dataclasses
+
 import conftest
 import h5py
 import made
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import bed_on_ground, read, stage_histories, track_figures, train_strip
+from trackbed_post import (bed_histories, bed_on_ground, read, stage_histories, track_figures,
+                           train_strip)
 
 TIME = np.arange(0, 1, 1e-3)
 
@@ -109,3 +112,30 @@ def test_stages_are_beside_each_other(runs, tmp_path):
     plt.close(figure)
     ran = conftest.call("figures", made.write(tmp_path / "one"), "-o", tmp_path / "out")
     assert ran.returncode == 0 and (tmp_path / "out/stages.png").is_file()
+
+
+def test_the_platen_is_shown_where_it_applies_a_load(runs):
+    """Stage 1 compacts, stage 2 places the sleepers; nothing is drawn for stage 0."""
+    run = runs[0]
+    number = np.repeat([0, 1, 2], [500, 600, 1000])
+    pressure = np.where(number == 1, 2e5, 0.0)
+    run = dataclasses.replace(run, stage=number,
+                              platen={"pressure": read.Quantity(pressure, "Pa", "")})
+    figure = stage_histories.stages([run])
+    panels = np.reshape(figure.axes, (4, 2))
+    assert panels[0, 0].get_title() == "stage compact" and panels[0, 0].axison
+    assert np.allclose(panels[0, 0].lines[0].get_ydata(), 200)
+    assert panels[1, 1].get_title() == "stage sleepers"
+    assert not panels[0, 1].axison and not panels[1, 0].axison
+    assert panels[1, 1].get_ylabel().startswith("displacement")
+    plt.close(figure)
+
+
+def test_the_train_is_above_the_sensors(tmp_path):
+    run = with_train(tmp_path / "one")
+    deck = run.deck | {"sensor": [{"name": "stone", "at": [2.0, 0.0, 0.1]}]}
+    figure = bed_histories.sensors([dataclasses.replace(run, deck=deck)])
+    strip, first = figure.axes[:2]
+    assert [text.get_text() for text in strip.texts] == ["stone, x = 2 m"]
+    assert len(figure.axes) == 4 and len(first.lines) == 3  # a history and two axles
+    plt.close(figure)
