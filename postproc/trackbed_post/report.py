@@ -203,9 +203,9 @@ def page(runs, folder, choices, every=0):
     """`every`: seconds after which a browser loads the document again; 0: never."""
     head = ["", *(run.name for run in runs)]
     parts = [element("h1", " and ".join(run.name for run in runs)),
-             table(head, side_by_side(runs, facts_of)), *progress_of(runs, folder),
+             table(head, side_by_side(runs, facts_of)),
+             element("h2", "Models"), models_of(runs, choices.program), *progress_of(runs, folder),
              element("h2", "Warnings"), warnings_of(runs),
-             element("h2", "Models"), models_of(runs, choices.program),
              element("h2", "Figures and numbers"), figures_of(runs, folder, choices)]
     for run in runs:
         heading, rows = stages_of(run)
