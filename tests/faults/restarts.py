@@ -6,8 +6,8 @@
 Each stage of each deck under INPUTS is shortened to a few dozen windows, however few stones have
 settled by then. The run is stopped after three random windows and resumed on 1 to 6 ranks. A
 shortened deck may fail (stones that have not settled, for example); then the windows before are
-compared, in a checkpoint at their end. Cells that decks copy are made first, as whole as their decks
-state (some minutes each). The exit code is 1 if there are findings.
+compared, in a checkpoint at their end. Cells that decks copy are made first, not shortened (some
+minutes each). The exit code is 1 if there are findings.
 """
 import argparse
 import json

@@ -144,7 +144,8 @@ TEST_F(Sensors, ReadTheStonesThatPassAPlace) {
   list = {sensor(SensorKind::place, stone.position + Vec3(0.01, 0, 0), 0.02)};
   observe::Sensors sensors(comm, list, gravity);
   EXPECT_EQ(sensors.read(&balls.particles, nullptr)[0].stones, 1);
-  EXPECT_NEAR(sensors.read(&balls.particles, nullptr)[0].velocity.x(), stone.velocity.x(), rounding);
+  EXPECT_NEAR(sensors.read(&balls.particles, nullptr)[0].velocity.x(), stone.velocity.x(),
+              rounding);
   balls.fall(60);  // 36 mm along x
   const observe::SensorReading reading = sensors.read(&balls.particles, nullptr)[0];
   EXPECT_EQ(reading.stones, 0);
