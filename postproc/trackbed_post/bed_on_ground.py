@@ -8,7 +8,8 @@ import matplotlib.collections
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import bed_figures, bed_histories, measures, read, signals, support, write
+from trackbed_post import (bed_figures, bed_histories, ground_blocks, ground_transition, measures,
+                           read, shades, signals, support, write)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 
 GRAVITY = 9.81        # m/s^2
@@ -17,8 +18,6 @@ SHOWN_HZ = 20         # upper end of the spectra
 CHAIN_WIDTH = 6       # points, line of the largest force
 CHAIN_STAGES = 3      # number of last stages that are shown
 CHAIN_WINDOW = 3.0    # m, length of track in a picture of force chains
-STRUCTURE = {"color": "0.35", "alpha": 0.35}          # shades of the ground's blocks
-WEDGE = {"color": "tab:green", "alpha": 0.15}
 STRESS_COUNTS = "added by the passage; without weight of the bed and static preload"
 
 
@@ -30,11 +29,9 @@ def needs_ground(runs):
 
 def mark_blocks(axes, run):
     """Shades the blocks of the ground and writes their names at the lower edge."""
-    for number, (name, (low, high)) in enumerate(measures.blocks(run).items()):
-        axes.axvspan(low, high, lw=0, zorder=0, **(STRUCTURE if name == "structure" else WEDGE))
-        # Blocks may start at the same x; their names are staggered to remain legible.
-        axes.text(low, 0.02 + 0.07 * number, f" {name}", transform=axes.get_xaxis_transform(),
-                  va="bottom", fontsize=8)
+    stretches = ground_blocks.stretches(run)
+    shades.shade(axes, stretches)
+    shades.name(axes, stretches, z=0.02)
 
 
 def sleepers(runs):
@@ -104,7 +101,7 @@ def stress(runs):
         panel.plot(x, compression, color=colour, lw=0.7, alpha=0.6)
         panel.plot(x, measures.smoothed(x, compression, measures.spacing(run)), color=colour, lw=2,
                    label=f"{run.name} (bold: mean over one sleeper spacing)")
-        found = measures.transition(run)
+        found = ground_transition.transition(run)
         text.append(f"{run.name}: max {np.max(compression):.0f} kPa"
                     + (f", jump {found.stress_jump / 1e3:.0f} kPa" if found else ""))
     mark_blocks(panel, runs[0])
@@ -221,7 +218,7 @@ def force_chains(runs):
     run = runs[0]
     stages = [name for name, chains in run.chains.items() if len(chains.force)][-CHAIN_STAGES:]
     needs(stages, "no force chains")
-    edge = measures.edge_of_structure(run)
+    edge = ground_blocks.edge_of_structure(run)
     figure, panels = plt.subplots(len(stages) + 1, 1, figsize=(11, 2.4 * (len(stages) + 1)),
                                   squeeze=False)
     strongest = {name: float(np.max(run.chains[name].force)) for name in stages}
@@ -334,7 +331,7 @@ def draw_all(runs, folder, ends=True):
             continue
         figure.tight_layout(rect=(0, write.ORIGIN, 1, 1))
         folder.picture(name, figure)
-    text = measures.table(runs) + "".join(measures.region_table(run) for run in runs)
+    text = ground_transition.table(runs) + "".join(measures.region_table(run) for run in runs)
     supported = [run for run in runs if len(run.sleepers_x) and run.sleeper]
     if supported:
         text += "\n" + "".join(support.summary(run) + "\n" for run in supported)

@@ -7,12 +7,11 @@ import matplotlib.lines
 import matplotlib.patches
 import numpy as np
 
-from trackbed_post import measures, read
+from trackbed_post import ground_blocks, measures, read
 
 LAYERS = ("#e8dcc0", "#d9c7a0", "#c8b184", "#b79b6c")  # from the top down
 STRUCTURE = {"facecolor": "#9aa0a6", "edgecolor": "#4d4d4d", "hatch": "//"}
-WEDGE = {"facecolor": "#a9c9a4", "edgecolor": "#4f7a4a", "hatch": ".."}
-SHADES = {"structure": ("0.35", 0.30), "wedge": ("tab:green", 0.13)}
+SOFT = {"facecolor": "#a9c9a4", "edgecolor": "#4f7a4a", "hatch": ".."}
 STONE = "#8c8c8c"
 SLEEPER = "#5b4636"
 FORCE = "#c1121f"
@@ -43,22 +42,6 @@ def heading(run):
     return (f"{run.deck.get('title', run.name)} ({vehicles}, "
             f"{3.6 * train.get('speed', 0):.0f} km/h; plane model, "
             f"{run.deck.get('thickness', 0):g} m thick)")
-
-
-def shade_blocks(panel, run, names):
-    """Shades the structure and the stretch of all other blocks of the ground over x."""
-    found = measures.blocks(run)
-    others = [ends for name, ends in found.items() if name != "structure"]
-    spans = {"structure": found["structure"]} if "structure" in found else {}
-    if others:
-        spans["wedge"] = (min(low for low, _ in others), max(high for _, high in others))
-    for name, (low, high) in spans.items():
-        colour, alpha = SHADES[name]
-        panel.axvspan(low, high, lw=0, zorder=0, color=colour, alpha=alpha)
-        if names:
-            words = "structure" if name == "structure" else "wedge (in the first run)"
-            panel.text((low + high) / 2, 0.97, words, fontsize=9, ha="center", va="top",
-                       transform=panel.get_xaxis_transform())
 
 
 def ends_of(run):
@@ -125,7 +108,7 @@ class Scene:
             if not block.get("present", True):
                 continue
             outline = np.reshape(block["outline"], (-1, 2))
-            style = STRUCTURE if block["name"] == "structure" else WEDGE
+            style = STRUCTURE if ground_blocks.is_structure(block) else SOFT
             self.panel.add_patch(matplotlib.patches.Polygon(outline, lw=0.7, **style))
             self.panel.text(*outline.mean(axis=0), f"{block['name'].replace('_', ' ')}, "
                             f"{modulus(block['young'])}", ha="center", va="center", fontsize=9,

@@ -6,7 +6,7 @@ numbers: docs/track.md.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measures, read
+from trackbed_post import ground_blocks, read, shades
 
 MARKERS = "osDvP*Xh"         # of axles in turn
 SHOWN_WHEELS = len(MARKERS)  # the first wheels are shown
@@ -119,8 +119,8 @@ def numbers(passing):
     return found
 
 
-def draw(passing, blocks):
-    """Three panels over x; `blocks` of the ground are shaded."""
+def draw(passing, stretches):
+    """Three panels over x; `stretches` with blocks of the ground are shaded."""
     figure, (wheels, down, left) = plt.subplots(3, 1, figsize=(9, 10), sharex=True,
                                                 layout="constrained")
     for axle in range(min(SHOWN_WHEELS, passing.x.shape[1])):
@@ -142,16 +142,10 @@ def draw(passing, blocks):
     low, high = passing.sleepers_x[0], passing.sleepers_x[-1]
     wheels.set_xlim(low - 4 * passing.spacing, high + 4 * passing.spacing)
     for panel in (wheels, down, left):
-        for name, (begin, end) in blocks.items():
-            panel.axvspan(begin, end, lw=0, alpha=0.3 if name == "structure" else 0.1,
-                          color="0.35" if name == "structure" else "tab:green", zorder=0)
+        shades.shade(panel, stretches)
         panel.grid(alpha=0.3)
         panel.legend(fontsize=7, ncols=2)
-    for level, (name, ends) in enumerate(blocks.items()):
-        begin, end = np.clip(ends, *down.get_xlim())
-        if begin < end:
-            down.text((begin + end) / 2, 0.03 + 0.05 * level, name, ha="center", fontsize=8,
-                      transform=down.get_xaxis_transform(), clip_on=True)
+    shades.name(down, stretches, z=0.03)
     return figure
 
 
@@ -166,5 +160,5 @@ def draw_into(results, folder):
     wide = max(map(len, found)) + 1
     text = "".join(f"{name:{wide}} {value:10.4g} {unit}\n"
                    for name, (value, unit) in found.items())
-    folder.picture("train", draw(passing, measures.blocks(run)))
+    folder.picture("train", draw(passing, ground_blocks.stretches(run)))
     folder.table("train.txt", text)

@@ -7,21 +7,16 @@ runs differ by the wedge. Contact forces need field files within the passage
 (`output.fields_interval`). Definition of the numbers: docs/postproc.md.
 """
 import dataclasses
-import io
 import textwrap
 
-import matplotlib.pyplot as plt
 import numpy as np
-from PIL import Image
 
-from trackbed_post import measures, model_drawing, read, train_figures, write
+from trackbed_post import (ground_blocks, measures, read, train_figures, transition_figures,
+                           write)
+from trackbed_post.ground_blocks import ENDS
+from trackbed_post.ground_transition import CLEAR, REACHED
 
-# Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
-STYLES = ({"color": "#0b559f", "ls": "-"}, {"color": "#d95f02", "ls": "--"})
 BIN = 0.1            # m, of the largest wheel force along the track
-ENDS = 3             # sleepers at each end of the bed that are not judged: beside springs
-FRAME_MS = 120       # ms, each picture of the film is shown
-WRAP = 118           # characters of a line below transition.png
 NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two designs may differ
 
 
@@ -93,7 +88,7 @@ def train_of(folder):
 
 def named(trains):
     """With names for legends and files: what the design is, or the folder."""
-    if len(trains) == 2 and measures.differ_by_wedge(*(train.run for train in trains)):
+    if len(trains) == 2 and ground_blocks.differ_by_wedge(*(train.run for train in trains)):
         names = ("with wedge", "without wedge")
     else:
         names = [train.run.name for train in trains]
@@ -116,19 +111,20 @@ class Zone:
 def zone_of(run, wedge):
     """The Zone of a run; `wedge`: length of the longer wedge of the runs, m. None without a
     structure, or without sleepers in one of its parts."""
-    edge = measures.edge_of_structure(run)
+    edge = ground_blocks.edge_of_structure(run)
     if edge is None:
         return None
     x, spacing = run.sleepers_x, measures.spacing(run)
-    distance = measures.direction(run, edge) * (x - edge)
-    low, high = measures.blocks(run)["structure"]
+    distance = ground_blocks.direction(run, edge) * (x - edge)
+    low, high = ground_blocks.structure(run)
+    begin, end = ground_blocks.plain_track(run, edge, wedge, spacing)
     judged = np.arange(len(x))
     judged = (judged >= ENDS) & (judged < len(x) - ENDS)
     tiny = measures.TINY
     found = Zone(distance,
                  judged & (x >= low - tiny) & (x <= high + tiny) & (distance <= -spacing + tiny),
                  (distance >= -tiny) & (distance <= wedge + spacing + tiny),
-                 judged & (distance >= wedge + 2 * spacing - tiny))
+                 judged & (distance >= begin - tiny) & (distance <= end + tiny))
     parts = (found.structure, found.transition, found.plain)
     return found if all(np.count_nonzero(part) > 1 for part in parts) else None
 
@@ -138,7 +134,7 @@ class Change:
     """How the lowest level of the rail changes from the structure to plain track."""
     structure: float  # m, mean of the sleepers on the structure
     plain: float      # m, median of the sleepers on plain track
-    width: float      # m, from the edge to measures.REACHED of the change
+    width: float      # m, from the edge to REACHED of the change
     steepest: float   # m/m, between neighbouring sleepers of the transition
     scatter: float    # m/m, largest between neighbouring sleepers on plain track
     force: float      # N, largest wheel force in the transition
@@ -154,7 +150,7 @@ def steps_within(level, distance, part):
 def changes_of(trains):
     """A Change of each train, or None if a run has no such zone. Plain track is the same in all
     designs: its level, from which the width follows, is the mean over them."""
-    wedge = max(measures.wedge_length(train.run) for train in trains)
+    wedge = max(ground_blocks.wedge_length(train.run) for train in trains)
     zones = [zone_of(train.run, wedge) for train in trains]
     if None in zones:
         return None
@@ -178,10 +174,10 @@ def changes_of(trains):
 
 def width_of(distance, level, structure, plain):
     """Distance behind the edge at which the level, linear between sleepers, first reaches
-    measures.REACHED of the change; nan if never."""
+    REACHED of the change; nan if never."""
     order = np.argsort(distance)
     distance, level = distance[order], level[order]
-    goal = structure + measures.REACHED * (plain - structure)
+    goal = structure + REACHED * (plain - structure)
     at = np.concatenate([[0], distance[distance > measures.TINY]])
     there = (np.interp(at, distance, level) - goal) * np.sign(plain - structure)
     reached = np.flatnonzero(there >= 0)
@@ -193,7 +189,7 @@ def width_of(distance, level, structure, plain):
 
 ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3),
         ("lowest level of the rail on plain track beyond the wedge, mm down", "plain", 1e3),
-        (f"distance behind the structure where {measures.REACHED:.0%} of the change is reached, m",
+        (f"distance behind the structure where {REACHED:.0%} of the change is reached, m",
          "width", 1),
         ("steepest change between two sleepers of the transition, mm/m", "steepest", 1e3),
         ("steepest change between two sleepers of plain track (scatter of the bed), mm/m",
@@ -205,7 +201,7 @@ ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3)
 def compared(now, other, what, unit, factor, field):
     """'x instead of y unit (-n %)', or that the difference is small."""
     a, b = getattr(now, field) * factor, getattr(other, field) * factor
-    if not b or abs(a / b - 1) <= measures.CLEAR:
+    if not b or abs(a / b - 1) <= CLEAR:
         return f"{what} is nearly the same ({a:.3g} and {b:.3g} {unit})"
     return f"{what} is {a:.2g} instead of {b:.2g} {unit} ({a / b - 1:+.0%})"
 
@@ -220,7 +216,7 @@ def different_key(first, second):
                 yield path + key, value
     one, other = dict(flat(first.deck)), dict(flat(second.deck))
     differing = [key for key in {**one, **other} if one.get(key) != other.get(key)]
-    shared = measures.blocks(second)
+    shared = [block.name for block in ground_blocks.present(second)]
     blocks = [{each["name"]: each for each in run.deck["ground"].get("block", [])}
               for run in (first, second)]
     differing += [f"ground.block.{name}" for name in shared if blocks[0][name] != blocks[1][name]]
@@ -231,19 +227,21 @@ def why_no_verdict(trains, changes):
     if len(trains) < 2:
         return "give a second run, without the wedge"
     runs = [train.run for train in trains]
-    if not measures.differ_by_wedge(*runs):
+    if not ground_blocks.differ_by_wedge(*runs):
         return "the first run must have all blocks of the second and at least one more (the wedge)"
     if key := different_key(*runs):
         return f"the decks differ in {key}, not only in the wedge"
     if changes is None:
-        return "the bed has no structure, or too few sleepers on it, behind it or on plain track"
+        return ("the ground has no structure (a block with young of at least "
+                f"{ground_blocks.STRUCTURE / 1e9:g} GPa), or there are too few sleepers on it, "
+                "behind it or on plain track")
     now, other = changes
-    if min(abs(1 - change.structure / change.plain) for change in changes) <= measures.CLEAR:
+    if min(abs(1 - change.structure / change.plain) for change in changes) <= CLEAR:
         return ("the lowest levels of the rail on the structure and on plain track differ by less "
-                f"than {measures.CLEAR:.0%}")
-    if abs(now.plain / other.plain - 1) > measures.CLEAR:
+                f"than {CLEAR:.0%}")
+    if abs(now.plain / other.plain - 1) > CLEAR:
         return ("the lowest levels of the rail on the plain tracks of the two runs differ by more "
-                f"than {measures.CLEAR:.0%}")
+                f"than {CLEAR:.0%}")
     if not all(np.isfinite(change.width) for change in changes):
         return "the level of plain track is not reached behind the structure"
     return ""
@@ -257,14 +255,14 @@ def verdict(trains, changes):
     steepest = compared(now, other, "the steepest change of this level between two sleepers",
                         "mm/m", 1e3, "steepest")
     scatter = max(now.scatter, other.scatter)
-    if now.steepest <= (1 + measures.CLEAR) * now.scatter < other.steepest:
+    if now.steepest <= (1 + CLEAR) * now.scatter < other.steepest:
         steepest += f", no more than the scatter on plain track ({1e3 * now.scatter:.2g} mm/m)"
     else:
         less = abs(now.steepest - other.steepest) < scatter
         steepest += (f", a difference {'smaller' if less else 'larger'} than the scatter on plain "
                      f"track ({1e3 * scatter:.2g} mm/m)")
     return ("The lowest level of the rail under the train changes from structure to plain track. "
-            f"With the wedge, {measures.REACHED:.0%} of this change is reached {now.width:.2g} m "
+            f"With the wedge, {REACHED:.0%} of this change is reached {now.width:.2g} m "
             f"behind the structure instead of {other.width:.2g} m; {steepest}; "
             + compared(now, other, "the largest wheel force in the transition", "kN", 1e-3,
                        "force") + ". One packing of stones was computed.")
@@ -313,170 +311,24 @@ def curves(trains):
     return found
 
 
-def mark_judged(panel, trains, changes):
-    """The two levels, and where most of the change has occurred."""
-    for train, change, style in zip(trains, changes, STYLES):
-        edge = measures.edge_of_structure(train.run)
-        at = edge + measures.direction(train.run, edge) * change.width
-        goal = change.structure + measures.REACHED * (change.plain - change.structure)
-        panel.plot(at, 1e3 * goal, marker="D", ms=8, mfc="white", mew=1.8, color=style["color"],
-                   zorder=5, ls="", label=f"{measures.REACHED:.0%} of the change, {train.name}")
-
-
-def compare(trains, changes, sentence):
-    """Three panels along the track, all designs in each."""
-    figure, (force, level, settled) = plt.subplots(
-        3, 1, figsize=(10, 9.6), sharex=True, gridspec_kw={"height_ratios": (1, 1.4, 0.8)})
-    for train, style in zip(trains, STYLES):
-        x = train.run.sleepers_x
-        force.plot(*(value * factor for value, factor in zip(train.largest_force(), (1, 1e-3))),
-                   lw=1.3, label=train.name, **style)
-        level.plot(x, 1e3 * train.rail_down(), lw=2, label=f"rail, {train.name}", **style)
-        level.plot(x, 1e3 * train.sleeper_down(), lw=1, marker="o", ms=3,
-                   label=f"sleepers, {train.name}", **style)
-        settled.plot(x, 1e3 * train.settlement(), lw=1.2, marker="s", ms=3, label=train.name,
-                     **style)
-    mean = 1e-3 * trains[0].mean_force()
-    force.axhline(mean, color="0.3", lw=0.8, label=f"mean over the bed, {mean:.1f}")
-    if changes:
-        mark_judged(level, trains, changes)
-    level.invert_yaxis()
-    settled.invert_yaxis()
-    force.set_ylabel("largest wheel force\nof all axles, kN")
-    level.set_ylabel("lowest level under the train,\nmm down")
-    settled.set_ylabel("settlement into\nthe bed, mm")
-    settled.set_xlabel("x along the track, m")
-    force.set_title(model_drawing.heading(trains[0].run), fontsize=11)
-    for panel in (force, level, settled):
-        model_drawing.shade_blocks(panel, trains[0].run, names=panel is level)
-        panel.grid(alpha=0.3)
-        panel.legend(fontsize=8, ncols=2)
-    text = textwrap.fill(sentence, WRAP)
-    figure.text(0.02, 0.03, text, fontsize=10, va="bottom")
-    for _ in range(2):  # the first may change the ticks, whose labels have other widths
-        figure.tight_layout(rect=(0, 0.04 + 0.019 * (text.count("\n") + 1), 1, 1))
-    return figure
-
-
-def instants(train, folder):
-    """(row of the passage, file of contacts) of each field file within the passage, from the first
-    to the last at which a wheel is shown."""
-    low, high = model_drawing.ends_of(train.run)
-    found = []
-    for time, file in read.series(folder, "contacts"):
-        row = int(np.argmin(np.abs(train.passing.time - time)))
-        if abs(train.passing.time[row] - time) <= 2 * np.median(np.diff(train.passing.time)):
-            found.append((row, file))
-    shown = [k for k, (row, _) in enumerate(found)
-             if np.any((train.passing.x[row] > low) & (train.passing.x[row] < high))]
-    return found[shown[0]:shown[-1] + 1] if shown else []
-
-
-def draw_model(train, folder):
-    """The model at the instant of the field files when the largest contact force is greatest, and
-    the bed below the axles enlarged."""
-    shape = model_drawing.shape_of(train.run, model_drawing.CUT)
-    figure = plt.figure(figsize=(13, 12.2 * shape + 3.25))
-    size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)
-    panel = figure.add_axes(np.array([0.6, 2.9, 12.2, 12.2 * shape]) / size)
-    close = figure.add_axes(np.array([0.6, 0.6, 12.2, 1.7]) / size)
-    scenes = [model_drawing.Scene(panel, train.run, model_drawing.CUT),
-              model_drawing.Scene(close, train.run, model_drawing.CUT)]
-    forces = [(model_drawing.contacts(file), row) for row, file in instants(train, folder)]
-    if forces:
-        chains, row = max(forces, key=lambda each: each[0].force.max(initial=0))
-        largest = chains.force.max(initial=0)
-        for scene in scenes:
-            scene.set_chains(chains, largest)
-        scenes[0].explain_chains(largest)
-        middle = chains.lines[np.argmax(chains.force)][:, 0].mean()
-    else:
-        on_bed = np.where(train.passing.on_bed()[..., None], train.passing.force, np.nan)
-        row = int(np.nanargmax(np.nanmax(on_bed, axis=(1, 2), initial=-1)))
-        middle = float(np.mean(train.run.sleepers_x))
-        panel.text(0.99, 0.97, "no contact forces: no field files within the passage", ha="right",
-                   va="top", transform=panel.transAxes, fontsize=9, zorder=10)
-    for scene in scenes:
-        scene.set_train(train.passing.x[row])
-    low, high = model_drawing.close_up(train.run)
-    close.set_ylim(low, high)
-    half = 0.5 * (high - low) * 12.2 / 1.7
-    close.set_xlim(middle - half, middle + half)
-    close.set_xlabel("x along the track, m")
-    panel.set_xlabel("")
-    panel.set_title(model_drawing.heading(train.run), fontsize=11)
-    panel.indicate_inset((middle - half, low, 2 * half, high - low), edgecolor="k", lw=1)
-    return figure
-
-
-def film(trains, folder, origin):
-    """Frames of the first run, with the level of the rail of all designs below when their first
-    axles are where that of the first run is; thin: the lowest level up to then."""
-    first = trains[0]
-    # The upper panel has the shape of its contents, so that both have the same axis along x.
-    long, left = 11.2, 0.7  # inches
-    high = long * model_drawing.shape_of(first.run, model_drawing.CUT)
-    figure = plt.figure(figsize=(long + 0.9, high + 3.6))
-    size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)
-    panel = figure.add_axes(np.array([left, 3.2, long, high]) / size)
-    level = figure.add_axes(np.array([left, 0.6, long, 2.3]) / size, sharex=panel)
-    scene = model_drawing.Scene(panel, first.run, model_drawing.CUT)
-    panel.set(title=model_drawing.heading(first.run), xlabel="")
-    model_drawing.shade_blocks(level, first.run, names=False)
-    lowest = max(1e3 * train.rail_down().max() for train in trains)
-    level.set(ylabel="level of the rail, mm down", xlabel="x along the track, m",
-              ylim=(1.1 * lowest, -0.2 * lowest))
-    level.grid(alpha=0.3)
-    lines = [level.plot([], [], lw=2, label=train.name, **style)[0]
-             for train, style in zip(trains, STYLES)]
-    deepest = [level.plot([], [], lw=0.8, **style)[0] for style in STYLES[:len(trains)]]
-    level.legend(fontsize=8, loc="lower right")
-    write.state_origin(figure, origin)
-    clock = panel.text(0.01, 0.96, "", transform=panel.transAxes, va="top", fontsize=10)
-    figure.canvas.draw()
-    still = figure.canvas.copy_from_bbox(figure.bbox)
-    shots = [(row, model_drawing.contacts(file)) for row, file in instants(first, folder)]
-    largest = max(chains.force.max(initial=0) for _, chains in shots)
-    begin, frames = first.passing.time[0], []
-    for row, chains in shots:
-        figure.canvas.restore_region(still)
-        moving = [scene.set_chains(chains, largest), *scene.set_train(first.passing.x[row])]
-        clock.set_text(f"{first.passing.time[row] - begin:.2f} s after the train began")
-        for train, line, lower in zip(trains, lines, deepest):
-            at = int(np.nanargmin(np.abs(train.passing.x[:, 0] - first.passing.x[row, 0]))) \
-                if np.isfinite(first.passing.x[row, 0]) else \
-                min(row, len(train.passing.time) - 1)
-            down = 1e3 * (train.passing.rail[0] - train.passing.rail)
-            line.set_data(train.run.sleepers_x, down[at])
-            lower.set_data(train.run.sleepers_x, down[:at + 1].max(axis=0))
-        for artist in (*moving, clock, *deepest, *lines):
-            artist.axes.draw_artist(artist)
-        frames.append(Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert(
-            "P", palette=Image.Palette.ADAPTIVE, colors=255))
-    plt.close(figure)
-    file = io.BytesIO()
-    frames[0].save(file, format="GIF", save_all=True, append_images=frames[1:], loop=0,
-                   duration=FRAME_MS)
-    return file.getvalue()
-
-
 def draw_into(results, folder):
     """Pictures and tables of one run, or of two compared; `results`: their folders."""
     trains = named([train_of(path) for path in results])
     changes = changes_of(trains)
     sentence = verdict(trains, changes)
-    folder.picture("transition", compare(trains, changes, sentence))
-    folder.picture("model", draw_model(trains[0], results[0]), write.origin_of(results[:1]))
+    folder.picture("transition", transition_figures.compare(trains, changes, sentence))
+    folder.picture("model", transition_figures.draw_model(trains[0], results[0]),
+                   write.origin_of(results[:1]))
     for name, text in curves(trains).items():
         folder.file(name, text)
-    folder.table("transition.txt",
-                 table(trains, changes) + "\n" + textwrap.fill(sentence, WRAP) + "\n")
+    below = textwrap.fill(sentence, transition_figures.WRAP)
+    folder.table("transition.txt", f"{table(trains, changes)}\n{below}\n")
 
 
 def film_of(results, origin):
     """Bytes of a GIF file: film() of runs given by their folders."""
     trains = named([train_of(path) for path in results])
-    if not instants(trains[0], results[0]):
+    if not transition_figures.instants(trains[0], results[0]):
         raise read.Unreadable(f"{trains[0].run.name} has no field files within the passage; set "
                               "output.fields and output.fields_interval")
-    return film(trains, results[0], origin)
+    return transition_figures.film(trains, results[0], origin)

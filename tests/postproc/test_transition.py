@@ -89,7 +89,7 @@ def test_no_verdict():
     assert "differ in train.speed" in stated(train(7.8), second)
     without = train(7.8), train(5.4, wedge_present=False)
     for one in without:
-        one.run.deck["ground"]["block"][0]["name"] = "bridge"
+        one.run.deck["ground"]["block"][0]["young"] = 9e9
     assert "no structure" in stated(*without)
 
 
