@@ -9,13 +9,13 @@ import dataclasses
 
 import numpy as np
 
-from trackbed_post import ground_blocks, measures, read
+from trackbed_post import ground_blocks, judgement, measures, read
 from trackbed_post.ground_blocks import TINY
+from trackbed_post.judgement import CLEAR, Difference
 from trackbed_post.measures import NOWHERE
 
 Runs = collections.abc.Sequence[read.Results]
 REACHED = 0.9    # the transition ends where this fraction of the change is reached
-CLEAR = 0.10     # a smaller relative difference of two runs is no clear effect
 
 
 @dataclasses.dataclass(frozen=True)
@@ -28,8 +28,10 @@ class Transition:
     steepest: float                 # m/m, ground displacement smoothed over one spacing, whole line
     steepest_x: float               # m, its x
     edge_slope: float               # m/m, the same within one spacing of the edge
+    slope_scatter: float            # m/m, the same on plain track
     stress_structure: float         # Pa, mean over one sleeper spacing before the edge
     stress_beyond: float            # Pa, the same behind the edge
+    stress_scatter: float           # Pa, largest difference of these means on plain track
     sleeper_displacement: float     # m, largest of all sleepers
     sleeper_residual: float         # m, largest magnitude after the passage
 
@@ -67,15 +69,36 @@ def _plain(distance: np.ndarray, begin: float, end: float, reach: float) -> np.n
     return (distance >= begin - TINY) & (distance <= end + TINY)
 
 
-def _slopes(distance: np.ndarray, smooth: np.ndarray, reach: float) -> tuple[float, float, float]:
-    """Steepest slope and its position, then the steepest within one spacing of the edge. The ends,
-    where the mean over a spacing is truncated, are omitted."""
+def _slopes(distance: np.ndarray, smooth: np.ndarray, plain: np.ndarray,
+            reach: float) -> tuple[float, float, float, float]:
+    """Steepest slope and its position, then the steepest within one spacing of the edge and that on
+    plain track. The ends, where the mean over a spacing is truncated, are omitted."""
     slope = np.abs(np.gradient(smooth, distance))
     whole = ((distance >= distance[0] + reach / 2 - TINY)
              & (distance <= distance[-1] - reach / 2 + TINY))
     where = np.flatnonzero(whole)[np.argmax(slope[whole])]
     at_edge = np.max(slope[np.abs(distance) <= reach + TINY])
-    return float(slope[where]), float(distance[where]), float(at_edge)
+    return (float(slope[where]), float(distance[where]), float(at_edge),
+            float(np.max(slope[plain & whole])) if plain.any() else NOWHERE)
+
+
+def _beside(distance: np.ndarray, values: np.ndarray, at: float,
+            reach: float) -> tuple[float, float]:
+    """Means of the values over a sleeper spacing before and behind a place: the same number of
+    nodes on both sides; the node at the place belongs to neither."""
+    away = distance - at
+    before = (away < -TINY) & (away >= -reach - TINY)
+    behind = (away > TINY) & (away <= reach + TINY)
+    return float(np.mean(values[before])), float(np.mean(values[behind]))
+
+
+def _jumps(distance: np.ndarray, values: np.ndarray, plain: np.ndarray, reach: float) -> float:
+    """Largest difference of these means at any place of plain track; nan where it is too short."""
+    there = distance[plain]
+    jumps = [abs(before - behind) for at in there
+             if there[0] + reach <= at + TINY and at - TINY <= there[-1] - reach
+             for before, behind in [_beside(distance, values, at, reach)]]
+    return max(jumps, default=NOWHERE)
 
 
 def why_no_transition(results: read.Results) -> str:
@@ -100,19 +123,16 @@ def transition(results: read.Results, wedge: float = 0.0) -> Transition | None:
     wedge = max(wedge, ground_blocks.wedge_length(results))
     plain = _plain(distance, *ground_blocks.plain_track(results, edge, wedge, reach), reach)
     end = float(np.median(down[plain])) if plain.any() else NOWHERE
-    steepest, where, at_edge = _slopes(distance, smooth, reach)
-    # The same number of nodes on both sides; the node at the edge belongs to neither.
-    before = (distance < -TINY) & (distance >= -reach - TINY)
-    behind = (distance > TINY) & (distance <= reach + TINY)
+    steepest, where, at_edge, on_plain = _slopes(distance, smooth, plain, reach)
+    before, behind = _beside(distance, compression, 0.0, reach)
     sleeper, residual = results.sleeper_envelope.get("displacement_min"), \
         measures.residual_displacement(results)
     return Transition(
         edge=edge, structure_displacement=start, far_displacement=end,
         width=_width(distance, smooth, start, end),
         steepest=steepest, steepest_x=edge + ground_blocks.direction(results, edge) * where,
-        edge_slope=at_edge,
-        stress_structure=float(np.mean(compression[before])),
-        stress_beyond=float(np.mean(compression[behind])),
+        edge_slope=at_edge, slope_scatter=on_plain, stress_structure=before, stress_beyond=behind,
+        stress_scatter=_jumps(distance, compression, plain, reach),
         sleeper_displacement=float(np.max(-sleeper.values)) if sleeper else NOWHERE,
         sleeper_residual=float(np.max(np.abs(residual))) if len(residual) else NOWHERE)
 
@@ -124,15 +144,17 @@ ROWS = (  # label, unit, field, factor
     ("steepest slope of the ground displacement", "mm/m", "steepest", 1e3),
     ("  which is at x =", "m", "steepest_x", 1),
     ("steepest slope within a spacing of the edge", "mm/m", "edge_slope", 1e3),
+    ("steepest slope on plain track (scatter)", "mm/m", "slope_scatter", 1e3),
     ("mean stress, last sleeper spacing on structure", "kPa", "stress_structure", 1e-3),
     ("mean stress, first sleeper spacing beyond it", "kPa", "stress_beyond", 1e-3),
     ("stress jump at the edge, difference of these means", "kPa", "stress_jump", 1e-3),
+    ("largest such difference on plain track (scatter)", "kPa", "stress_scatter", 1e-3),
     ("largest sleeper displacement in the passage", "mm", "sleeper_displacement", 1e3),
     ("largest residual sleeper displacement after it", "mm", "sleeper_residual", 1e3),
 )
 
 
-PLACES = ("steepest_x",)  # rows without a meaningful relative change
+NO_CHANGE = ("steepest_x", "slope_scatter", "stress_scatter")  # without a relative change
 
 
 def table(runs: Runs) -> str:
@@ -151,7 +173,7 @@ def table(runs: Runs) -> str:
         values = [getattr(numbers, field) * factor for numbers in found]
         line = f"{label:<48}{unit:>6}" + "".join(
             f"{value:12.4g}" if np.isfinite(value) else f"{'-':>12}" for value in values)
-        if len(values) == 2 and values[1] and np.all(np.isfinite(values)) and field not in PLACES:
+        if len(values) == 2 and values[1] and np.all(np.isfinite(values)) and field not in NO_CHANGE:
             line += f"{values[0] / values[1] - 1:+10.1%}"
         lines.append(line)
     lines += ["", "stresses: added by the passage; without weight of the bed and static "
@@ -167,50 +189,45 @@ def table(runs: Runs) -> str:
         if moved_stones:
             lines.append("warning: differences in the comparison below may have other causes than "
                          "the wedge: see the warnings above")
-        lines += effect(found[0], found[1], ground_blocks.differ_by_wedge(*runs))
+        lines += effect(found[0], found[1], measures.spacing(runs[0]),
+                        ground_blocks.differ_by_wedge(*runs))
     return "\n".join(lines) + "\n"
 
 
-def _verdict(change: float, wanted: int, by_wedge: bool) -> str:
-    """`change`: relative; `wanted`: its sign under a wedge, in the first run only."""
-    if abs(change) <= CLEAR:
-        return f"no clear effect (within {CLEAR:.0%})"
-    if not by_wedge:
-        return ("change relative to the second run; no verdict: the first run must contain all "
-                "blocks of the ground of the second and at least one more (the wedge)")
-    return f"{'as' if change * wanted > 0 else 'NOT as'} expected of a wedge"
+def differences(first: Transition, second: Transition, spacing: float) -> dict[str, Difference]:
+    """Name -> Difference of the quantities in which a wedge should show."""
+    def most(field: str) -> float:
+        return float(np.maximum(getattr(first, field), getattr(second, field)))
+
+    def of(field: str, scatter: float, unit: str, factor: float, wanted: int,
+           beside: str = judgement.PLAIN, reference: float = NOWHERE) -> Difference:
+        return Difference(getattr(first, field), getattr(second, field), scatter, unit, factor,
+                          wanted, beside, reference)
+    slopes = most("slope_scatter")
+    return {
+        "width of the transition": of("width", spacing, "m", 1, 1, "one sleeper spacing"),
+        "steepest slope of the ground, whole line": of("steepest", slopes, "mm/m", 1e3, -1),
+        "steepest slope of the ground at the edge": of("edge_slope", slopes, "mm/m", 1e3, -1),
+        # A jump may be near zero, so its change is relative to the stress itself.
+        "change of the stress jump relative to the mean stress at the edge": of(
+            "stress_jump", most("stress_scatter"), "kPa", 1e-3, -1,
+            reference=second.stress_level)}
 
 
-def _change(a: float, b: float) -> float:
-    """Change relative to the second value; nan if either is missing or the second is zero."""
-    return a / b - 1 if b and np.isfinite(a) and np.isfinite(b) else NOWHERE
-
-
-def effect(first: Transition, second: Transition, by_wedge: bool) -> list[str]:
+def effect(first: Transition, second: Transition, spacing: float, by_wedge: bool) -> list[str]:
     """Messages on the differences between two runs; `by_wedge`: only the first has a wedge."""
     lines = []
-    far = _change(first.far_displacement, second.far_displacement)
-    differs = np.isfinite(far) and abs(far) > CLEAR
+    far = Difference(first.far_displacement, second.far_displacement, 0, "mm", 1e3).change
+    differs = abs(far) > CLEAR
     if np.isfinite(far):
         lines.append(f"ground displacement on plain track beyond the wedge: {far:+.0%}: " + (
-            f"equal within {CLEAR:.0%}, so the runs are comparable" if abs(far) <= CLEAR else
             f"differs by more than {CLEAR:.0%}, although neither run has a wedge there: the runs "
-            "are not comparable"))
-    for what, field, wanted in (("width of the transition", "width", 1),
-                                ("steepest slope, whole line", "steepest", -1),
-                                ("slope at the edge", "edge_slope", -1)):
-        change = _change(getattr(first, field), getattr(second, field))
-        if not np.isfinite(change):
-            continue
-        # The width refers to the plain track and is meaningless if that differs.
-        unclear = differs and field == "width"
-        lines.append(f"{what}: {change:+.0%}: " + (
-            "no verdict, since the plain tracks differ" if unclear
-            else _verdict(change, wanted, by_wedge)))
-    # A jump may be near zero, so its change is relative to the stress itself.
-    if second.stress_level:
-        change = (first.stress_jump - second.stress_jump) / abs(second.stress_level)
-        lines.append("change of the stress jump relative to the mean stress at the edge: "
-                     f"{change:+.0%}: "
-                     f"{_verdict(change, -1, by_wedge)}")
+            "are not comparable" if differs else
+            f"equal within {CLEAR:.0%}, so the runs are comparable"))
+    for what, found in differences(first, second, spacing).items():
+        if np.isfinite(found.change):
+            # The width refers to the plain track and is meaningless if that differs.
+            unclear = differs and found.beside != judgement.PLAIN
+            lines.append(f"{what}: {found.change:+.0%}: " + (
+                "no verdict, since the plain tracks differ" if unclear else found.words(by_wedge)))
     return lines

@@ -14,7 +14,8 @@ import numpy as np
 from trackbed_post import (ground_blocks, measures, read, train_figures, transition_figures,
                            write)
 from trackbed_post.ground_blocks import ENDS
-from trackbed_post.ground_transition import CLEAR, REACHED
+from trackbed_post.ground_transition import REACHED
+from trackbed_post.judgement import CLEAR, NO_PAIR, Difference
 
 BIN = 0.1            # m, of the largest wheel force along the track
 NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two designs may differ
@@ -53,6 +54,14 @@ class Train:
         for k in np.intersect1d(number, np.arange(len(found))):
             found[k] = force[known][number == k].max()
         return (edges[:-1] + edges[1:]) / 2, found
+
+    def largest_force_in(self, sleepers):
+        """(N, x in m) of the largest force of any wheel between the first and last of these."""
+        x, force = self.largest_force()
+        low, high = self.run.sleepers_x[sleepers][[0, -1]]
+        force = np.where((x >= low) & (x <= high), force, np.nan)
+        most = int(np.nanargmax(force))
+        return float(force[most]), float(x[most])
 
     def mean_force(self):
         """Of a wheel over the bed, N: the static load, since the forces of a passage balance it."""
@@ -139,6 +148,7 @@ class Change:
     scatter: float    # m/m, largest between neighbouring sleepers on plain track
     force: float      # N, largest wheel force in the transition
     force_x: float    # m, where
+    force_plain: float  # N, largest wheel force on plain track
 
 
 def steps_within(level, distance, part):
@@ -160,15 +170,12 @@ def changes_of(trains):
     for train, zone, plain in zip(trains, zones, plains):
         level = train.rail_down()
         structure = float(np.mean(level[zone.structure]))
-        x, force = train.largest_force()
-        low, high = train.run.sleepers_x[zone.transition][[0, -1]]
-        force = np.where((x >= low) & (x <= high), force, np.nan)
-        most = int(np.nanargmax(force))
+        force, force_x = train.largest_force_in(zone.transition)
         found.append(Change(
             structure, plain, width_of(zone.distance, level, structure, np.mean(plains)),
             float(steps_within(level, zone.distance, zone.transition).max()),
             float(steps_within(level, zone.distance, zone.plain).max()),
-            float(force[most]), float(x[most])))
+            force, force_x, train.largest_force_in(zone.plain)[0]))
     return found
 
 
@@ -195,15 +202,21 @@ ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3)
         ("steepest change between two sleepers of plain track (scatter of the bed), mm/m",
          "scatter", 1e3),
         ("largest wheel force in the transition, kN", "force", 1e-3),
-        ("x of the largest wheel force in the transition, m", "force_x", 1))
+        ("x of the largest wheel force in the transition, m", "force_x", 1),
+        ("largest wheel force on plain track, kN", "force_plain", 1e-3))
 
 
-def compared(now, other, what, unit, factor, field):
-    """'x instead of y unit (-n %)', or that the difference is small."""
-    a, b = getattr(now, field) * factor, getattr(other, field) * factor
-    if not b or abs(a / b - 1) <= CLEAR:
-        return f"{what} is nearly the same ({a:.3g} and {b:.3g} {unit})"
-    return f"{what} is {a:.2g} instead of {b:.2g} {unit} ({a / b - 1:+.0%})"
+def differences(trains, changes):
+    """Field of Change -> Difference of the first run from the second."""
+    now, other = changes
+    steps = max(now.scatter, other.scatter)
+    ripple = max(change.force_plain - train.mean_force() for train, change in zip(trains, changes))
+
+    def of(field, *rest):
+        return Difference(getattr(now, field), getattr(other, field), *rest)
+    return {"width": of("width", measures.spacing(trains[0].run), "m", 1, 1, "one sleeper spacing"),
+            "steepest": of("steepest", steps, "mm/m", 1e3, -1),
+            "force": of("force", ripple, "kN", 1e-3, -1)}
 
 
 def different_key(first, second):
@@ -228,7 +241,7 @@ def why_no_verdict(trains, changes):
         return "give a second run, without the wedge"
     runs = [train.run for train in trains]
     if not ground_blocks.differ_by_wedge(*runs):
-        return "the first run must have all blocks of the second and at least one more (the wedge)"
+        return NO_PAIR
     if key := different_key(*runs):
         return f"the decks differ in {key}, not only in the wedge"
     if changes is None:
@@ -252,20 +265,15 @@ def verdict(trains, changes):
     if why := why_no_verdict(trains, changes):
         return f"No verdict: {why}."
     now, other = changes
-    steepest = compared(now, other, "the steepest change of this level between two sleepers",
-                        "mm/m", 1e3, "steepest")
-    scatter = max(now.scatter, other.scatter)
-    if now.steepest <= (1 + CLEAR) * now.scatter < other.steepest:
-        steepest += f", no more than the scatter on plain track ({1e3 * now.scatter:.2g} mm/m)"
-    else:
-        less = abs(now.steepest - other.steepest) < scatter
-        steepest += (f", a difference {'smaller' if less else 'larger'} than the scatter on plain "
-                     f"track ({1e3 * scatter:.2g} mm/m)")
+    judged = {field: found.words(True) for field, found in differences(trains, changes).items()}
     return ("The lowest level of the rail under the train changes from structure to plain track. "
-            f"With the wedge, {REACHED:.0%} of this change is reached {now.width:.2g} m "
-            f"behind the structure instead of {other.width:.2g} m; {steepest}; "
-            + compared(now, other, "the largest wheel force in the transition", "kN", 1e-3,
-                       "force") + ". One packing of stones was computed.")
+            f"With the wedge, {REACHED:.0%} of this change is reached {now.width:.2g} m behind the "
+            f"structure instead of {other.width:.2g} m: {judged['width']}. The steepest change of "
+            f"this level between two sleepers is {1e3 * now.steepest:.2g} instead of "
+            f"{1e3 * other.steepest:.2g} mm/m ({now.steepest / other.steepest - 1:+.0%}): "
+            f"{judged['steepest']}. The largest wheel force in the transition is "
+            f"{1e-3 * now.force:.1f} instead of {1e-3 * other.force:.1f} kN: {judged['force']}. "
+            "One packing of stones was computed.")
 
 
 def numbers(folder):
