@@ -173,8 +173,9 @@ def table(runs: Runs) -> str:
         values = [getattr(numbers, field) * factor for numbers in found]
         line = f"{label:<48}{unit:>6}" + "".join(
             f"{value:12.4g}" if np.isfinite(value) else f"{'-':>12}" for value in values)
-        if len(values) == 2 and values[1] and np.all(np.isfinite(values)) and field not in NO_CHANGE:
-            line += f"{values[0] / values[1] - 1:+10.1%}"
+        change = Difference(values[0], values[-1], 0, unit).change
+        if len(values) == 2 and field not in NO_CHANGE and np.isfinite(change):
+            line += f"{change:+10.1%}"
         lines.append(line)
     lines += ["", "stresses: added by the passage; without weight of the bed and static "
               "preload"]

@@ -140,21 +140,32 @@ def zone_of(run, wedge):
 
 @dataclasses.dataclass(frozen=True)
 class Change:
-    """How the lowest level of the rail changes from the structure to plain track."""
+    """How the lowest level of the rail changes from the structure to plain track. Places are x, and
+    distances from the edge into the soft ground, m."""
+    zone: Zone
     structure: float  # m, mean of the sleepers on the structure
     plain: float      # m, median of the sleepers on plain track
     width: float      # m, from the edge to REACHED of the change
     steepest: float   # m/m, between neighbouring sleepers of the transition
+    steepest_x: float  # between both
+    steepest_behind: float
     scatter: float    # m/m, largest between neighbouring sleepers on plain track
     force: float      # N, largest wheel force in the transition
-    force_x: float    # m, where
-    force_plain: float  # N, largest wheel force on plain track
+    force_x: float
+    force_behind: float
+    force_structure: float  # N, largest wheel force on the structure
+    force_plain: float      # N, largest wheel force on plain track
+    plain_begin: float      # x of the first and last sleeper of plain track
+    plain_end: float
 
 
-def steps_within(level, distance, part):
-    """Changes of level per metre between neighbouring sleepers that are both in the part."""
-    both = part[1:] & part[:-1]
-    return np.abs(np.diff(level) / np.diff(distance))[both]
+def steepest_within(level, place, part):
+    """(largest change of level per metre between neighbouring sleepers that are both in the part,
+    the place between both)."""
+    both = np.flatnonzero(part[1:] & part[:-1])
+    k = both[np.argmax(np.abs(np.diff(level) / np.diff(place))[both])]
+    return float(abs((level[k + 1] - level[k]) / (place[k + 1] - place[k]))), \
+        float(place[k:k + 2].mean())
 
 
 def changes_of(trains):
@@ -166,17 +177,28 @@ def changes_of(trains):
         return None
     plains = [float(np.median(train.rail_down()[zone.plain]))
               for train, zone in zip(trains, zones)]
-    found = []
-    for train, zone, plain in zip(trains, zones, plains):
-        level = train.rail_down()
-        structure = float(np.mean(level[zone.structure]))
-        force, force_x = train.largest_force_in(zone.transition)
-        found.append(Change(
-            structure, plain, width_of(zone.distance, level, structure, np.mean(plains)),
-            float(steps_within(level, zone.distance, zone.transition).max()),
-            float(steps_within(level, zone.distance, zone.plain).max()),
-            force, force_x, train.largest_force_in(zone.plain)[0]))
-    return found
+    return [change_of(train, zone, plain, float(np.mean(plains)))
+            for train, zone, plain in zip(trains, zones, plains)]
+
+
+def change_of(train, zone, plain, goal):
+    """The Change of one train; `goal`: level of plain track from which the width follows, m."""
+    level, x = train.rail_down(), train.run.sleepers_x
+    structure = float(np.mean(level[zone.structure]))
+    steepest, steepest_x = steepest_within(level, x, zone.transition)
+    force, force_x = train.largest_force_in(zone.transition)
+
+    def behind(place):
+        return float(np.interp(place, x, zone.distance))
+    return Change(
+        zone=zone, structure=structure, plain=plain,
+        width=width_of(zone.distance, level, structure, goal), steepest=steepest,
+        steepest_x=steepest_x, steepest_behind=behind(steepest_x),
+        scatter=steepest_within(level, x, zone.plain)[0], force=force, force_x=force_x,
+        force_behind=behind(force_x),
+        force_structure=train.largest_force_in(zone.structure)[0],
+        force_plain=train.largest_force_in(zone.plain)[0],
+        plain_begin=float(x[zone.plain].min()), plain_end=float(x[zone.plain].max()))
 
 
 def width_of(distance, level, structure, plain):
@@ -199,11 +221,17 @@ ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3)
         (f"distance behind the structure where {REACHED:.0%} of the change is reached, m",
          "width", 1),
         ("steepest change between two sleepers of the transition, mm/m", "steepest", 1e3),
+        ("x of the steepest change of the transition, m", "steepest_x", 1),
+        ("distance of the steepest change behind the structure, m", "steepest_behind", 1),
         ("steepest change between two sleepers of plain track (scatter of the bed), mm/m",
          "scatter", 1e3),
         ("largest wheel force in the transition, kN", "force", 1e-3),
         ("x of the largest wheel force in the transition, m", "force_x", 1),
-        ("largest wheel force on plain track, kN", "force_plain", 1e-3))
+        ("distance of the largest wheel force behind the structure, m", "force_behind", 1),
+        ("largest wheel force on the structure, kN", "force_structure", 1e-3),
+        ("largest wheel force on plain track, kN", "force_plain", 1e-3),
+        ("first sleeper of plain track, x, m", "plain_begin", 1),
+        ("last sleeper of plain track, x, m", "plain_end", 1))
 
 
 def differences(trains, changes):
@@ -269,18 +297,42 @@ def verdict(trains, changes):
     return ("The lowest level of the rail under the train changes from structure to plain track. "
             f"With the wedge, {REACHED:.0%} of this change is reached {now.width:.2g} m behind the "
             f"structure instead of {other.width:.2g} m: {judged['width']}. The steepest change of "
-            f"this level between two sleepers is {1e3 * now.steepest:.2g} instead of "
-            f"{1e3 * other.steepest:.2g} mm/m ({now.steepest / other.steepest - 1:+.0%}): "
-            f"{judged['steepest']}. The largest wheel force in the transition is "
-            f"{1e-3 * now.force:.1f} instead of {1e-3 * other.force:.1f} kN: {judged['force']}. "
-            "One packing of stones was computed.")
+            f"this level between two sleepers is {1e3 * now.steepest:.2g} mm/m "
+            f"{place(now.steepest_x, now.steepest_behind)}, instead of {1e3 * other.steepest:.2g} "
+            f"mm/m {place(other.steepest_x, other.steepest_behind)} "
+            f"({now.steepest / other.steepest - 1:+.0%}): {judged['steepest']}. The largest wheel "
+            f"force in the transition is {1e-3 * now.force:.1f} kN "
+            f"{place(now.force_x, now.force_behind)}, instead of {1e-3 * other.force:.1f} kN "
+            f"{place(other.force_x, other.force_behind)}: {judged['force']}. "
+            f"{cause_of_forces(trains, changes)} One packing of stones was computed.")
+
+
+def place(x, behind):
+    return f"at x = {x:.2f} m, {behind:.2f} m behind the structure"
+
+
+def cause_of_forces(trains, changes):
+    """A sentence: whether wheel forces in the transition are clearly larger than elsewhere."""
+    larger = [train.name for train, change in zip(trains, changes)
+              if change.force > change.force_plain and Difference(
+                  change.force, change.force_plain, change.force_plain - train.mean_force(),
+                  "kN").clear]
+
+    def both(field):
+        return " and ".join(f"{1e-3 * getattr(change, field):.1f}" for change in changes)
+    elsewhere = (f"forces on plain track, up to {both('force_plain')} kN; on the structure they "
+                 f"reach {both('force_structure')} kN")
+    if larger:
+        return f"{' and '.join(larger).capitalize()}, it is clearly larger than {elsewhere}."
+    return ("It is not clearly larger than " + elsewhere +
+            ": it belongs to the ripple over the whole bed.")
 
 
 def numbers(folder):
     """Name -> number of one run, those of its column in transition.txt."""
     train = train_of(folder)
     changes = changes_of([train])
-    found = {label.strip(): getattr(changes[0], field) * factor
+    found = {label: getattr(changes[0], field) * factor
              for label, field, factor in (ROWS if changes else ())}
     return found | {label: of(train) for label, of in OF_TRAINS}
 

@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from PIL import Image
 
-from trackbed_post import ground_blocks, model_drawing, read, shades, write
+from trackbed_post import ground_blocks, measures, model_drawing, read, shades, write
 from trackbed_post.ground_transition import REACHED
 
 # Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
@@ -25,6 +25,32 @@ def mark_judged(panel, trains, changes):
         goal = change.structure + REACHED * (change.plain - change.structure)
         panel.plot(at, 1e3 * goal, marker="D", ms=8, mfc="white", mew=1.8, color=style["color"],
                    zorder=5, ls="", label=f"{REACHED:.0%} of the change, {train.name}")
+
+
+def mark_places(force, level, trains, changes):
+    """Where the steepest change and the largest wheel force of the transition are."""
+    for number, (train, change, style) in enumerate(zip(trains, changes, STYLES)):
+        x, colour = train.run.sleepers_x, style["color"]
+        there = np.abs(x - change.steepest_x) <= measures.spacing(train.run) / 2 + measures.TINY
+        level.plot(x[there], 1e3 * train.rail_down()[there], lw=8, alpha=0.35, color=colour,
+                   solid_capstyle="butt", label=f"steepest change, {train.name}")
+        force.plot(change.force_x, 1e-3 * change.force, ls="", marker="os"[number], ms=9, mew=1.8,
+                   mfc="none", color=colour, label=f"largest in the transition, {train.name}")
+
+
+def bracket_zones(panel, train, zone):
+    """Brackets at the lower edge over the sleepers that are judged together."""
+    panel.margins(y=0.16)
+    across = panel.get_xaxis_transform()
+    half = measures.spacing(train.run) / 2
+    for words, part in (("on the structure", zone.structure), ("transition", zone.transition),
+                        ("plain track", zone.plain)):
+        x = train.run.sleepers_x[part]
+        low, high = x.min() - 0.8 * half, x.max() + 0.8 * half
+        panel.plot([low, low, high, high], [0.06, 0.03, 0.03, 0.06], color="0.2", lw=1.2,
+                   transform=across)
+        panel.text((low + high) / 2, 0.045, words, transform=across, fontsize=8, ha="center",
+                   va="bottom")
 
 
 def note_of(trains):
@@ -51,6 +77,8 @@ def compare(trains, changes, sentence):
     force.axhline(mean, color="0.3", lw=0.8, label=f"mean over the bed, {mean:.1f}")
     if changes:
         mark_judged(level, trains, changes)
+        mark_places(force, level, trains, changes)
+        bracket_zones(level, trains[0], changes[0].zone)
     level.invert_yaxis()
     settled.invert_yaxis()
     force.set_ylabel("largest wheel force\nof all axles, kN")

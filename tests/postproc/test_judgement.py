@@ -35,10 +35,9 @@ def test_change_is_relative_to_the_reference():
 
 
 def with_scatter(run, dip, stress):
-    """The run with a dip of the ground and a step of its stress on plain track, 6 m behind the edge.
-    """
-    x = run.ground_x
-    down = run.ground_envelope["displacement_min"].values + dip * np.interp(x, [7.9, 8.1, 8.3], [0, 1, 0])
+    """The run with a dip of the ground and a step of its stress 6 m behind the edge."""
+    x, down = run.ground_x, run.ground_envelope["displacement_min"].values
+    down = down + dip * np.interp(x, [7.9, 8.1, 8.3], [0, 1, 0])
     compression = run.ground_envelope["sigma_z_min"].values + stress * (x > 8.0)
     return dataclasses.replace(run, ground_envelope={
         **run.ground_envelope, "displacement_min": read.Quantity(down, "m", "-"),
@@ -64,6 +63,6 @@ def test_the_verdict_on_the_rail_uses_the_same_test():
     for one in (first, second):
         one.passing.rail[1, 20] -= 0.6e-3  # 1 mm/m to its neighbours
     text = test_transition.stated(first, second)
-    assert "0.2 instead of 1 mm/m (-80%): no clear effect (not larger than the scatter" in text
+    assert "behind the structure (-80%): no clear effect (not larger than the scatter" in text
     assert "is reached 2.7 m behind the structure instead of 0.54 m: as expected of a wedge" in text
-    assert "60.0 instead of 60.0 kN: no clear effect (within 10%)" in text
+    assert "behind the structure: no clear effect (within 10%)" in text
