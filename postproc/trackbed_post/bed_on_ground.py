@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from trackbed_post import (bed_figures, bed_histories, ground_blocks, ground_transition, measures,
-                           read, shades, signals, support, write)
+                           read, shades, signals, support, support_figure, write)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 
 GRAVITY = 9.81        # m/s^2
@@ -307,7 +307,7 @@ def overview(runs):
 
 FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "stress": stress,
            "spectrum": spectra, "force_chains": force_chains, "energy": energy,
-           **bed_figures.FIGURES, **bed_histories.FIGURES}
+           **bed_figures.FIGURES, **bed_histories.FIGURES, "support": support_figure.draw}
 
 
 # They show the ends of stages.
