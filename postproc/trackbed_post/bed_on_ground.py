@@ -8,13 +8,16 @@ import matplotlib.collections
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (bed_figures, bed_histories, ground_blocks, ground_transition, measures,
-                           read, shades, signals, support, support_figure, write)
+from trackbed_post import (bed_figures, bed_histories, frequencies, ground_blocks,
+                           ground_transition, measures, read, shades, signals, support,
+                           support_figure, write)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
+from trackbed_post.panels import legend_below
 
 GRAVITY = 9.81        # m/s^2
 FILTER = signals.LowPass()
-SHOWN_HZ = 20         # upper end of the spectra
+SHOWN_HZ = 20         # least upper end of the spectra
+BEYOND = 1.5          # of the highest passing frequency, to which they are shown
 CHAIN_WIDTH = 6       # points, line of the largest force
 CHAIN_STAGES = 3      # number of last stages that are shown
 CHAIN_WINDOW = 3.0    # m, length of track in a picture of force chains
@@ -134,13 +137,13 @@ def spectrum_of(run, name):
 
 
 def table_of_peaks(runs):
-    """Text: peaks of the spectra near the loading frequencies; empty where there are none."""
+    """Text: peaks of the spectra near the passing frequencies; empty where there are none."""
     lines = []
     for run in runs:
-        marks = measures.loading_frequencies(run)
+        marks = frequencies.of_passage(run)
         if not marks or not run.sleeper or signals.step_of(run.time[run.passage()]) is None:
             continue
-        lines += ["", f"spectra of sleepers near the loading frequencies, {run.name}"]
+        lines += ["", f"spectra of sleepers near the passing frequencies, {run.name}"]
         for name in ("acceleration", "seat_force"):
             found = spectrum_of(run, name)
             lines += [f"  {name.replace('_', ' '):<16}{f'{mark} = {target:.2f} Hz':<24}"
@@ -152,23 +155,26 @@ def spectra(runs):
     """Amplitude spectra of the sleepers in the passage, root mean square over all sleepers."""
     needs(all(run.sleeper for run in runs), "no sleepers")
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(9, 9))
-    marks = measures.loading_frequencies(runs[0])
+    marks = frequencies.of_passage(runs[0])
+    shown_hz = max(SHOWN_HZ, BEYOND * max(marks.values(), default=0))
     for run, colour in zip(runs, COLOURS):
         for panel, (name, (unit, _)) in zip(panels, SPECTRA.items()):
             frequency, mean = spectrum_of(run, name)
-            shown = frequency <= SHOWN_HZ
+            shown = frequency <= shown_hz
             panel.plot(frequency[shown], mean[shown], color=colour, lw=1, label=run.name)
             panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
     for panel in panels:
         for mark, target in marks.items():
             panel.axvline(target, color="0.4", lw=0.8, ls=":")
-            panel.text(target, 0.97, f" {mark}", transform=panel.get_xaxis_transform(), va="top")
+            panel.text(target, 0.97, f" {mark}", transform=panel.get_xaxis_transform(), va="top",
+                       rotation=90, ha="right", fontsize=8)
         panel.grid(alpha=0.3)
     sampled = runs[0].time[runs[0].passage()]
     panels[0].set_ylabel(f"acceleration (m/s2)\n{FILTER.name_for(sampled)}", fontsize=9)
-    panels[0].legend(fontsize=8)
+    words = ", ".join(f"{mark} = {target:.1f} Hz" for mark, target in marks.items())
     panels[-1].set_xlabel("frequency (Hz)")
-    panels[0].set_title("Spectra of sleepers, root mean square over all", fontsize=10)
+    legend_below(panels[-1])
+    panels[0].set_title(f"Spectra of sleepers, root mean square over all\n{words}", fontsize=10)
     return figure
 
 

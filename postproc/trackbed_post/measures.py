@@ -63,8 +63,7 @@ def why_no_envelope(results: read.Results) -> str:
 def loading_frequencies(results: read.Results) -> dict[str, float]:
     """{name: Hz}: speed over distance of bogie centres and over wheelbase, from [load]; empty if
     the passage was that of a train on a rail."""
-    passages = [stage for stage in results.deck.get("stage", []) if stage.get("kind") == "passage"]
-    if passages and passages[-1].get("train", False):
+    if ground_blocks.carried_by_springs(results):
         return {}
     load = results.deck.get("load", {})
     axles, speed = np.asarray(load.get("axles", [])), load.get("speed", 0.0)

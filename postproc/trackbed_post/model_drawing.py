@@ -7,7 +7,7 @@ import matplotlib.lines
 import matplotlib.patches
 import numpy as np
 
-from trackbed_post import ground_blocks, measures, read
+from trackbed_post import frequencies, ground_blocks, measures, read
 
 LAYERS = ("#e8dcc0", "#d9c7a0", "#c8b184", "#b79b6c")  # from the top down
 STRUCTURE = {"facecolor": "#9aa0a6", "edgecolor": "#4d4d4d", "hatch": "//"}
@@ -15,7 +15,7 @@ SOFT = {"facecolor": "#a9c9a4", "edgecolor": "#4f7a4a", "hatch": ".."}
 STONE = "#8c8c8c"
 SLEEPER = "#5b4636"
 FORCE = "#c1121f"
-RAIL_HEIGHT, AXLE_GAP = 0.172, 4.0  # m; axles that are closer than the last form a bogie
+RAIL_HEIGHT = 0.172                 # m
 CHAIN_WIDTH = 6.0                   # points, line of the largest force
 BEYOND = 2.5                        # m, shown before and behind the bed
 CUT, BELOW = 2.6, 0.2               # m, shown above the ground's top and below its base
@@ -188,7 +188,7 @@ class Scene:
             there = np.sort(group[np.isfinite(group)])
             if not len(there):
                 continue
-            for bogie in np.split(there, np.flatnonzero(np.diff(there) > AXLE_GAP) + 1):
+            for bogie in frequencies.bogies_of(there):
                 self._add(matplotlib.patches.Rectangle(
                     (bogie[0] - 0.3, z), bogie[-1] - bogie[0] + 0.6, 0.3, facecolor="0.45"))
             if len(there) == len(group):

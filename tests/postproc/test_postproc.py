@@ -9,7 +9,7 @@ import h5py
 import made
 import numpy as np
 import pytest
-from trackbed_post import bed_on_ground, ground_blocks, measures, read, signals
+from trackbed_post import bed_on_ground, frequencies, ground_blocks, measures, read, signals
 from trackbed_post.ground_transition import table, transition
 
 LOW_PASS_RIPPLE = 1e-3    # allowed loss of a 10 Hz sine below 100 Hz: (10/100)^8 is far less
@@ -191,6 +191,39 @@ def test_a_train_has_no_marks_of_the_load_section(runs):
     deck = dict(runs[0].deck, stage=[dict(stage, train=stage["kind"] == "passage")
                                      for stage in runs[0].deck["stage"]])
     assert measures.loading_frequencies(dataclasses.replace(runs[0], deck=deck)) == {}
+
+
+WAGONS = np.array([0, 1.8, 9, 10.8, 14, 15.8, 23, 24.8])  # two of two bogies, m behind the first
+
+
+def with_train(run, axles, vehicles, rails=1, **train):
+    """The run with axles at made.SPEED, nan before x = -5 m and beyond 20 m."""
+    stages = [dict(stage, train=stage["kind"] == "passage") for stage in run.deck["stage"]]
+    x = made.SPEED * run.time[:, None] - np.repeat(axles, rails)
+    train = {"speed": made.SPEED, "vehicles": vehicles * ["wagon"]} | train
+    return dataclasses.replace(run, deck={**run.deck, "stage": stages, "train": train},
+                               wheel_x=np.where((x > -5) & (x < 20), x, np.nan))
+
+
+@pytest.mark.parametrize("rails", [1, 2])
+def test_passing_frequencies_of_a_train(runs, rails):
+    found = frequencies.of_passage(with_train(runs[0], WAGONS, 2, rails))
+    assert found == pytest.approx({"v/L_v": 20 / 14, "v/L_c": 20 / 9, "v/L_w": 20 / 1.8,
+                                   "v/s": 20 / 0.6})
+    found = frequencies.of_passage(with_train(runs[0], WAGONS[:4], 1, rails))
+    assert set(found) == {"v/L_c", "v/L_w", "v/s"}
+    two_axles = frequencies.of_passage(with_train(runs[0], np.array([0, 9.0]), 1, rails))
+    assert two_axles == pytest.approx({"v/L_w": 20 / 9, "v/s": 20 / 0.6})
+    assert frequencies.of_passage(with_train(runs[0], WAGONS, 2, speeds=[20, 10])) == {}
+
+
+def test_the_axis_of_spectra_reaches_beyond_the_highest_passing_frequency(runs):
+    for run in (with_train(runs[0], WAGONS, 2), runs[0]):
+        panel = bed_on_ground.spectra([run]).axes[0]
+        assert panel.lines[0].get_xdata()[-1] == pytest.approx(1.5 * 20 / 0.6, abs=2 * LINE)
+        assert " v/s" in [text.get_text() for text in panel.texts]
+    assert "v/s = 33.33 Hz" in bed_on_ground.table_of_peaks(runs[:1])
+    bed_on_ground.plt.close("all")
 
 
 def test_seat_load_spectrum_shows_bogies_and_wheels(runs):
