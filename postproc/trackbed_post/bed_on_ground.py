@@ -12,7 +12,7 @@ from trackbed_post import (bed_figures, bed_histories, frequencies, ground_block
                            ground_transition, measures, read, shades, signals, support,
                            support_figure, write)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
-from trackbed_post.panels import legend_below
+from trackbed_post.panels import UP, legend_below
 
 GRAVITY = 9.81        # m/s^2
 FILTER = signals.LowPass()
@@ -55,14 +55,14 @@ def sleepers(runs):
             for panel, values in zip(panels, shown):
                 panel.plot(time, values[:, k], lw=1, ls="-" if number == 0 else "--",
                            label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
-    labels = ("displacement (mm, up)", "seat load (kN, down)", "reaction of stones (kN, up)",
+    labels = (f"displacement,\n{UP}", "seat load (kN, down)", "reaction of stones (kN, up)",
               f"acceleration (g)\n{FILTER.name_for(time)}")
     for panel, label in zip(panels, labels):
         panel.set_ylabel(label)
         panel.grid(alpha=0.3)
-    panels[0].legend(fontsize=7, ncol=len(runs))
     stage = "passage" if all(run.has_passage() for run in runs) else "last stage"
     panels[-1].set_xlabel(f"time since the {stage} began (s)")
+    legend_below(panels[-1], len(runs))
     panels[0].set_title(f"Sleepers during the {stage}; lowest of all: " + ", ".join(
         f"{run.name} {low:.3f} mm" for run, low in zip(runs, deepest)))
     return figure
@@ -83,10 +83,10 @@ def envelope(runs):
         text.append(f"{run.name}: {-np.min(ground):.3f} mm")
     for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
         mark_blocks(panel, runs[0])
-        panel.set_ylabel(f"lowest displacement of\n{what}, mm, up")
+        panel.set_ylabel(f"lowest displacement of\n{what}, {UP}")
         panel.grid(alpha=0.3)
-        panel.legend(fontsize=8, loc="best")
     lower.set_xlabel("x along the track (m)")
+    legend_below(lower)
     upper.set_title("Envelope relative to the beginning of the passage; largest downward "
                     "displacement\nof the ground " + "; ".join(text), fontsize=10)
     return figure
@@ -111,7 +111,7 @@ def stress(runs):
     panel.set_xlabel("x along the track (m)")
     panel.set_ylabel("largest vertical compression of the\nground surface in the passage (kPa)")
     panel.set_title(f"Compression {STRESS_COUNTS}\n" + "; ".join(text), fontsize=10)
-    panel.legend(fontsize=8)
+    legend_below(panel)
     panel.grid(alpha=0.3)
     return figure
 
@@ -299,15 +299,15 @@ def overview(runs):
         compression = -run.ground_envelope["sigma_z_min"].values[order] / 1e3
         panels[2].plot(x, measures.smoothed(x, compression, measures.spacing(run)), color=colour,
                        label=run.name)
-    panels[1].set_ylabel("lowest displacement of\nthe ground surface (mm)")
+    panels[1].set_ylabel(f"lowest displacement of\nthe ground surface, {UP}")
     panels[2].set_ylabel("largest compression (kPa),\nmean over a sleeper spacing")
     panels[1].set_title("In the passage, displacement relative to its beginning", fontsize=10)
     panels[2].set_title(f"Compression {STRESS_COUNTS}", fontsize=10)
     for panel in panels[1:]:
         mark_blocks(panel, runs[0])
-        panel.legend(fontsize=8, loc="best")
         panel.grid(alpha=0.3)
     panels[2].set_xlabel("x along the track (m)")
+    legend_below(panels[2])
     return figure
 
 

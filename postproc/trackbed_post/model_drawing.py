@@ -14,6 +14,7 @@ STRUCTURE = {"facecolor": "#9aa0a6", "edgecolor": "#4d4d4d", "hatch": "//"}
 SOFT = {"facecolor": "#a9c9a4", "edgecolor": "#4f7a4a", "hatch": ".."}
 STONE = "#8c8c8c"
 SLEEPER = "#5b4636"
+DIRECTION = "direction of travel →"
 FORCE = "#c1121f"
 RAIL_HEIGHT = 0.172                 # m
 CHAIN_WIDTH = 6.0                   # points, line of the largest force
@@ -157,6 +158,13 @@ class Scene:
             RAIL_HEIGHT, facecolor="0.25", lw=0, zorder=4))
         return bottom + RAIL_HEIGHT
 
+    def show_direction(self):
+        """An arrow in the upper left corner, visible also without a vehicle: trains run towards
+        larger x."""
+        self.panel.text(0.01, 0.96, DIRECTION, fontsize=11, va="top",
+                        transform=self.panel.transAxes, zorder=10,
+                        bbox={"facecolor": "white", "alpha": 0.75, "lw": 0, "pad": 1})
+
     def set_chains(self, chains, largest):
         """Red lines whose width is proportional to the force."""
         if self.chains is None:
@@ -195,9 +203,6 @@ class Scene:
                 self._add(matplotlib.patches.Rectangle(
                     (there[0] - 2, z + 0.45), there[-1] - there[0] + 4, 2.4, facecolor="#dfe7ef",
                     edgecolor="#2f4b66"))
-                front = self.panel.text(there[-1] + 1.9, z + 0.7, "→", fontsize=18, ha="right",
-                                        va="center", clip_on=True, zorder=6)
-                self.train.append(front)
         return self.train
 
     def _add(self, patch):

@@ -10,6 +10,8 @@ def draw(runs):
     for run in runs:
         found = support.of(run)
         x, hangs = run.sleepers_x, found.hangs
+        if not hangs.any():
+            continue
         for panel, values in ((stiff, found.bed / 1e6), (stiff, found.whole / 1e6),
                               (gaps, found.gap * 1e3)):
             panel.plot(x[hangs], values[hangs], "o", ms=9, mfc="none", mec="k", mew=1, label=label)

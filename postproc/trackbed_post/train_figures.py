@@ -6,7 +6,7 @@ numbers: docs/track.md.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import ground_blocks, read, shades
+from trackbed_post import ground_blocks, panels, read, shades
 
 MARKERS = "osDvP*Xh"         # of axles in turn
 SHOWN_WHEELS = len(MARKERS)  # the first wheels are shown
@@ -124,7 +124,7 @@ def draw(passing, stretches):
     figure, (wheels, down, left) = plt.subplots(3, 1, figsize=(9, 10), sharex=True,
                                                 layout="constrained")
     for axle in range(min(SHOWN_WHEELS, passing.x.shape[1])):
-        words = f"axle {axle + 1}"
+        words = panels.axle(axle, False)
         for rail, force in enumerate(passing.force[:, axle].T):
             side = ", right" if rail else ", left" if passing.force.shape[2] == 2 else ""
             wheels.plot(passing.x[:, axle], force / 1e3, "--" if rail else "-", lw=0.8,
@@ -136,15 +136,16 @@ def draw(passing, stretches):
                       label=f"under {words} relative to axle 1", **line)
     left.plot(passing.sleepers_x, 1e3 * passing.left, "k^--", ms=4, lw=0.9,
               label="after the train relative to before")
-    wheels.set(ylabel="wheel force, kN", title="Train over the bed")
-    down.set(ylabel="lowest position of each sleeper, mm")
-    left.set(ylabel="change of height of sleepers, mm", xlabel="x, m")
+    figure.suptitle("Train over the bed", fontsize=11)
+    wheels.set(ylabel="wheel force, kN")
+    down.set(ylabel=f"lowest displacement of\neach sleeper, {panels.UP}")
+    left.set(ylabel=f"change of height of\nsleepers, {panels.UP}", xlabel="x, m")
     low, high = passing.sleepers_x[0], passing.sleepers_x[-1]
     wheels.set_xlim(low - 4 * passing.spacing, high + 4 * passing.spacing)
     for panel in (wheels, down, left):
         shades.shade(panel, stretches)
         panel.grid(alpha=0.3)
-        panel.legend(fontsize=7, ncols=2)
+        panels.legend_above(panel, size=7)
     shades.name(down, stretches, z=0.03)
     return figure
 

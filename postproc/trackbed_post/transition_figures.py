@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from PIL import Image
 
-from trackbed_post import ground_blocks, measures, model_drawing, read, shades, write
+from trackbed_post import ground_blocks, measures, model_drawing, panels, read, shades, write
 from trackbed_post.ground_transition import REACHED
 
 # Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
@@ -23,7 +23,7 @@ def mark_judged(panel, trains, changes):
         edge = ground_blocks.edge_of_structure(train.run)
         at = edge + ground_blocks.direction(train.run, edge) * change.width
         goal = change.structure + REACHED * (change.plain - change.structure)
-        panel.plot(at, 1e3 * goal, marker="D", ms=8, mfc="white", mew=1.8, color=style["color"],
+        panel.plot(at, -1e3 * goal, marker="D", ms=8, mfc="white", mew=1.8, color=style["color"],
                    zorder=5, ls="", label=f"{REACHED:.0%} of the change, {train.name}")
 
 
@@ -32,7 +32,7 @@ def mark_places(force, level, trains, changes):
     for number, (train, change, style) in enumerate(zip(trains, changes, STYLES)):
         x, colour = train.run.sleepers_x, style["color"]
         there = np.abs(x - change.steepest_x) <= measures.spacing(train.run) / 2 + measures.TINY
-        level.plot(x[there], 1e3 * train.rail_down()[there], lw=8, alpha=0.35, color=colour,
+        level.plot(x[there], -1e3 * train.rail_down()[there], lw=8, alpha=0.35, color=colour,
                    solid_capstyle="butt", label=f"steepest change, {train.name}")
         force.plot(change.force_x, 1e-3 * change.force, ls="", marker="os"[number], ms=9, mew=1.8,
                    mfc="none", color=colour, label=f"largest in the transition, {train.name}")
@@ -68,10 +68,10 @@ def compare(trains, changes, sentence):
         x = train.run.sleepers_x
         force.plot(*(value * factor for value, factor in zip(train.largest_force(), (1, 1e-3))),
                    lw=1.3, label=train.name, **style)
-        level.plot(x, 1e3 * train.rail_down(), lw=2, label=f"rail, {train.name}", **style)
-        level.plot(x, 1e3 * train.sleeper_down(), lw=1, marker="o", ms=3,
+        level.plot(x, -1e3 * train.rail_down(), lw=2, label=f"rail, {train.name}", **style)
+        level.plot(x, -1e3 * train.sleeper_down(), lw=1, marker="o", ms=3,
                    label=f"sleepers, {train.name}", **style)
-        settled.plot(x, 1e3 * train.settlement(), lw=1.2, marker="s", ms=3, label=train.name,
+        settled.plot(x, -1e3 * train.settlement(), lw=1.2, marker="s", ms=3, label=train.name,
                      **style)
     mean = 1e-3 * trains[0].mean_force()
     force.axhline(mean, color="0.3", lw=0.8, label=f"mean over the bed, {mean:.1f}")
@@ -79,22 +79,22 @@ def compare(trains, changes, sentence):
         mark_judged(level, trains, changes)
         mark_places(force, level, trains, changes)
         bracket_zones(level, trains[0], changes[0].zone)
-    level.invert_yaxis()
-    settled.invert_yaxis()
     force.set_ylabel("largest wheel force\nof all axles, kN")
-    level.set_ylabel("lowest level under the train,\nmm down")
-    settled.set_ylabel("settlement into\nthe bed, mm")
+    level.set_ylabel(f"lowest level under the train,\n{panels.UP}")
+    settled.set_ylabel(f"settlement into\nthe bed, {panels.UP}")
     settled.set_xlabel("x along the track, m")
-    force.set_title(model_drawing.heading(trains[0].run), fontsize=11)
+    figure.suptitle(model_drawing.heading(trains[0].run), fontsize=11)
     for panel in (force, level, settled):
         shades.shade(panel, stretches)
         panel.grid(alpha=0.3)
-        panel.legend(fontsize=8, ncols=2)
+        panels.legend_above(panel)
     shades.name(level, stretches, note_of(trains))
     text = textwrap.fill(sentence, WRAP)
+    below = 0.18 * (text.count("\n") + 1)  # inches
+    figure.set_figheight(10 + below)
     figure.text(0.02, 0.03, text, fontsize=10, va="bottom")
     for _ in range(2):  # the first may change the ticks, whose labels have other widths
-        figure.tight_layout(rect=(0, 0.04 + 0.019 * (text.count("\n") + 1), 1, 1))
+        figure.tight_layout(rect=(0, 0.04 + below / (10 + below), 1, 1))
     return figure
 
 
@@ -136,6 +136,7 @@ def draw_model(train, folder):
         middle = float(np.mean(train.run.sleepers_x))
         panel.text(0.99, 0.97, "no contact forces: no field files within the passage", ha="right",
                    va="top", transform=panel.transAxes, fontsize=9, zorder=10)
+    scenes[0].show_direction()
     for scene in scenes:
         scene.set_train(train.passing.x[row])
     low, high = model_drawing.close_up(train.run)
@@ -154,9 +155,9 @@ def film(trains, folder, origin):
     axles are where that of the first run is; thin: the lowest level up to then."""
     first = trains[0]
     # The upper panel has the shape of its contents, so that both have the same axis along x.
-    long, left = 11.2, 0.7  # inches
+    long, left = 11.2, 0.85  # inches
     high = long * model_drawing.shape_of(first.run, model_drawing.CUT)
-    figure = plt.figure(figsize=(long + 0.9, high + 3.6))
+    figure = plt.figure(figsize=(long + left + 0.2, high + 3.6))
     size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)
     panel = figure.add_axes(np.array([left, 3.2, long, high]) / size)
     level = figure.add_axes(np.array([left, 0.6, long, 2.3]) / size, sharex=panel)
@@ -164,13 +165,14 @@ def film(trains, folder, origin):
     panel.set(title=model_drawing.heading(first.run), xlabel="")
     shades.shade(level, ground_blocks.stretches(first.run))
     lowest = max(1e3 * train.rail_down().max() for train in trains)
-    level.set(ylabel="level of the rail, mm down", xlabel="x along the track, m",
-              ylim=(1.1 * lowest, -0.2 * lowest))
+    level.set(xlabel="x along the track, m", ylim=(-1.1 * lowest, 0.3 * lowest))
+    level.set_ylabel(f"level of the rail, {panels.UP}", fontsize=9)
     level.grid(alpha=0.3)
     lines = [level.plot([], [], lw=2, label=train.name, **style)[0]
              for train, style in zip(trains, STYLES)]
-    deepest = [level.plot([], [], lw=0.8, **style)[0] for style in STYLES[:len(trains)]]
-    level.legend(fontsize=8, loc="lower right")
+    deepest = [level.plot([], [], lw=0.8, label=f"lowest up to then, {train.name}", **style)[0]
+               for train, style in zip(trains, STYLES)]
+    level.legend(fontsize=8, loc="upper center", ncols=4, frameon=False)  # above the curves
     write.state_origin(figure, origin)
     clock = panel.text(0.01, 0.96, "", transform=panel.transAxes, va="top", fontsize=10)
     figure.canvas.draw()
@@ -181,14 +183,15 @@ def film(trains, folder, origin):
     for row, chains in shots:
         figure.canvas.restore_region(still)
         moving = [scene.set_chains(chains, largest), *scene.set_train(first.passing.x[row])]
-        clock.set_text(f"{first.passing.time[row] - begin:.2f} s after the train began")
+        clock.set_text(f"{model_drawing.DIRECTION}     {first.passing.time[row] - begin:.2f} s "
+                       "after the train began")
         for train, line, lower in zip(trains, lines, deepest):
             at = int(np.nanargmin(np.abs(train.passing.x[:, 0] - first.passing.x[row, 0]))) \
                 if np.isfinite(first.passing.x[row, 0]) else \
                 min(row, len(train.passing.time) - 1)
-            down = 1e3 * (train.passing.rail[0] - train.passing.rail)
-            line.set_data(train.run.sleepers_x, down[at])
-            lower.set_data(train.run.sleepers_x, down[:at + 1].max(axis=0))
+            up = 1e3 * (train.passing.rail - train.passing.rail[0])
+            line.set_data(train.run.sleepers_x, up[at])
+            lower.set_data(train.run.sleepers_x, up[:at + 1].min(axis=0))
         for artist in (*moving, clock, *deepest, *lines):
             artist.axes.draw_artist(artist)
         frames.append(Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert(
