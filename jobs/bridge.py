@@ -24,10 +24,11 @@ matplotlib.use("Agg")
 import h5py  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
-from trackbed_post import read, write  # noqa: E402
+from trackbed_post import ground_blocks, panels, read, shades, transition, write  # noqa: E402
 
 DECK = ROOT / "inputs" / "track" / "bridge.toml"
 BASE, SENSOR = "wedge", 5  # of the sleepers: above the wedge
+END = 2  # last sleepers of the bed, which rise towards the springs behind it: not judged
 BEHIND = 7.5  # m behind the last sleeper of the bed, where the last axle ends the evaluation
 # Rest before and after the train, which the evaluation of the accelerometer needs.
 LONG = ("train.start=-33", "track.length=33.6")
@@ -64,6 +65,8 @@ class Passage:
 
     def __init__(self, name, place):
         self.name, self.place, run = name, place, read.results(place)
+        self.stretches = ground_blocks.stretches(run)
+        self.edge = ground_blocks.edge_of_structure(run)
         rows = np.arange(*run.passage().indices(len(run.time))[:2])
         with h5py.File(place / "results.h5") as file:
             wheel, force = (file[f"history/wheel/{quantity}"][rows[0]:rows[-1] + 1]
@@ -88,11 +91,22 @@ class Passage:
     def settled(self):
         return -1e3 * self.motion[-1]
 
+    def judged(self):
+        """Whether each sleeper is behind the bridge and not at the end of the bed."""
+        return (self.x >= self.edge - ground_blocks.TINY) & (self.x < self.x[-END])
+
+    def steepest(self):
+        """(mm/m, "x to x") of the steepest change of the deflection between judged sleepers."""
+        value, x = transition.steepest_within(self.lowest(), self.x, self.judged())
+        half = (self.x[1] - self.x[0]) / 2
+        return value, f"{x - half:.1f} to {x + half:.1f}"
+
     def numbers(self):
         """Name -> value; mm, kN, mm/m."""
-        spacing = self.x[1] - self.x[0]
+        steepest, where = self.steepest()
         return {"largest deflection, mm": self.lowest().max(),
-                "steepest change of it, mm/m": np.abs(np.diff(self.lowest())).max() / spacing,
+                "steepest change of it behind the bridge, mm/m": steepest,
+                "at x, m": where,
                 "settlement by the train, mean, mm": self.settled().mean(),
                 "largest, mm": self.settled().max(),
                 "largest difference of neighbours, mm": np.abs(np.diff(self.settled())).max(),
@@ -120,17 +134,19 @@ def table(passages):
 def draw(passages):
     figure, (down, left) = plt.subplots(2, 1, figsize=(8, 7), sharex=True, layout="constrained")
     for one in passages:
-        down.plot(one.x, one.lowest(), "o-", ms=4, label=one.name)
-        left.plot(one.x, one.settled(), "o-", ms=4, label=one.name)
-    down.set(ylabel="largest deflection, mm", title="Sleepers under three wagons: bridge (grey), "
-             "wedge, embankment")
-    left.set(ylabel="settlement by the train, mm", xlabel="x, m")
+        down.plot(one.x, -one.lowest(), "o-", ms=4, label=one.name)
+        left.plot(one.x, -one.settled(), "o-", ms=4, label=one.name)
+    figure.suptitle("Sleepers under three wagons: bridge (grey), wedge (green), embankment")
+    down.set(ylabel=f"largest deflection,\n{panels.UP}")
+    left.set(ylabel=f"settlement by the train,\n{panels.UP}", xlabel="x, m")
+    end = passages[0].x[-END] - (passages[0].x[1] - passages[0].x[0]) / 2
     for panel in (down, left):
-        panel.invert_yaxis()
-        panel.axvspan(0, 1.5, color="0.35", alpha=0.3, lw=0)
-        panel.axvspan(1.5, 4.5, color="tab:green", alpha=0.1, lw=0)
+        shades.shade(panel, passages[0].stretches)
+        panel.axvline(end, color="0.2", lw=1, ls=":")
         panel.grid(alpha=0.3)
-    down.legend(fontsize=8)
+    down.text(end, 0.03, " end of the bed, not judged", fontsize=8,
+              transform=down.get_xaxis_transform())
+    panels.legend_above(down, columns=5)
     return figure
 
 

@@ -306,8 +306,8 @@ def parser():
     one.add_argument("results", type=pathlib.Path, metavar="RESULT_DIR")
     one.add_argument("quantity", help="a history such as sleeper/acceleration or wheel/force")
     one.add_argument("--place", type=int, default=-1,
-                     help="column of the history (sleeper, wheel, ...), counted from 0; default: "
-                          "the one with the largest standard deviation")
+                     help="column of the history (sleeper, wheel, ...), counted from 0, so that "
+                          "axle 1 is 0; default: the one with the largest standard deviation")
     one.add_argument("--measured", default="", metavar="FILE[:COLUMN]", help="CSV, MAT or WAV")
     one.add_argument("--cut-off", type=float, default=100.0, metavar="HZ",
                      help="cut-off frequency of the low-pass filter of the time history; default: "
@@ -357,7 +357,8 @@ def parser():
     one.add_argument("quantity", help="a dataset such as history/rail/displacement")
     takes_runs(one)
     one.add_argument("--place", type=int, default=-1,
-                     help="number of its column, from 0; default: that of the largest range")
+                     help="number of its column, from 0, so that axle 1 is 0; default: that of the "
+                          "largest range")
     one.add_argument("--over", action="append", default=[], metavar="FILE.csv[:X:Y]",
                      help="a measured or published curve; may be given several times")
     one.add_argument("--shift", type=float, default=0.0, metavar="S",

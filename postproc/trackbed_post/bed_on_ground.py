@@ -8,18 +8,19 @@ import matplotlib.collections
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (bed_figures, bed_histories, figure_csv, measures, read, signals,
-                           stage_histories, support, train_strip, write)
+from trackbed_post import (bed_figures, bed_histories, figure_csv, frequencies, ground_blocks,
+                           ground_transition, measures, read, shades, signals, stage_histories,
+                           support, support_figure, train_strip, write)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
+from trackbed_post.panels import UP, legend_below
 
 GRAVITY = 9.81        # m/s^2
 FILTER = signals.LowPass()
-SHOWN_HZ = 20         # upper end of the spectra
+SHOWN_HZ = 20         # least upper end of the spectra
+BEYOND = 1.5          # of the highest passing frequency, to which they are shown
 CHAIN_WIDTH = 6       # points, line of the largest force
 CHAIN_STAGES = 3      # number of last stages that are shown
 CHAIN_WINDOW = 3.0    # m, length of track in a picture of force chains
-STRUCTURE = {"color": "0.35", "alpha": 0.35}          # shades of the ground's blocks
-WEDGE = {"color": "tab:green", "alpha": 0.15}
 STRESS_COUNTS = "added by the passage; without weight of the bed and static preload"
 
 
@@ -31,11 +32,9 @@ def needs_ground(runs):
 
 def mark_blocks(axes, run):
     """Shades the blocks of the ground and writes their names at the lower edge."""
-    for number, (name, (low, high)) in enumerate(measures.blocks(run).items()):
-        axes.axvspan(low, high, lw=0, zorder=0, **(STRUCTURE if name == "structure" else WEDGE))
-        # Blocks may start at the same x; their names are staggered to remain legible.
-        axes.text(low, 0.02 + 0.07 * number, f" {name}", transform=axes.get_xaxis_transform(),
-                  va="bottom", fontsize=8)
+    stretches = ground_blocks.stretches(run)
+    shades.shade(axes, stretches)
+    shades.name(axes, stretches, z=0.02)
 
 
 def sleepers(runs):
@@ -61,15 +60,15 @@ def sleepers(runs):
                 panel.plot(time, values[:, k], lw=1, ls="-" if number == 0 else "--",
                            color=f"C{colour + 3 * number}",
                            label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
-    labels = ("displacement (mm, up)", "seat load (kN, down)", "reaction of stones (kN, up)",
+    labels = (f"displacement,\n{UP}", "seat load (kN, down)", "reaction of stones (kN, up)",
               f"acceleration (g)\n{FILTER.name_for(time)}")
     for panel, label in zip(panels, labels):
         panel.set_ylabel(label)
         panel.grid(alpha=0.3)
     train_strip.mark_all(panels, train, places)
-    panels[0].legend(fontsize=7, ncol=len(runs))
     stage = "passage" if all(run.has_passage() for run in runs) else "last stage"
     panels[-1].set_xlabel(f"time since the {stage} began (s)")
+    legend_below(panels[-1], len(runs))
     figure.axes[0].set_title(f"Sleepers during the {stage}; lowest of all: " + ", ".join(
         f"{run.name} {low:.3f} mm" for run, low in zip(runs, deepest)))
     return figure
@@ -90,10 +89,10 @@ def envelope(runs):
         text.append(f"{run.name}: {-np.min(ground):.3f} mm")
     for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
         mark_blocks(panel, runs[0])
-        panel.set_ylabel(f"lowest displacement of\n{what}, mm, up")
+        panel.set_ylabel(f"lowest displacement of\n{what}, {UP}")
         panel.grid(alpha=0.3)
-        panel.legend(fontsize=8, loc="best")
     lower.set_xlabel("x along the track (m)")
+    legend_below(lower)
     upper.set_title("Envelope relative to the beginning of the passage; largest downward "
                     "displacement\nof the ground " + "; ".join(text), fontsize=10)
     return figure
@@ -111,14 +110,14 @@ def stress(runs):
         panel.plot(x, compression, color=colour, lw=0.7, alpha=0.6)
         panel.plot(x, measures.smoothed(x, compression, measures.spacing(run)), color=colour, lw=2,
                    label=f"{run.name} (bold: mean over one sleeper spacing)")
-        found = measures.transition(run)
+        found = ground_transition.transition(run)
         text.append(f"{run.name}: max {np.max(compression):.0f} kPa"
                     + (f", jump {found.stress_jump / 1e3:.0f} kPa" if found else ""))
     mark_blocks(panel, runs[0])
     panel.set_xlabel("x along the track (m)")
     panel.set_ylabel("largest vertical compression of the\nground surface in the passage (kPa)")
     panel.set_title(f"Compression {STRESS_COUNTS}\n" + "; ".join(text), fontsize=10)
-    panel.legend(fontsize=8)
+    legend_below(panel)
     panel.grid(alpha=0.3)
     return figure
 
@@ -144,13 +143,13 @@ def spectrum_of(run, name):
 
 
 def table_of_peaks(runs):
-    """Text: peaks of the spectra near the loading frequencies; empty where there are none."""
+    """Text: peaks of the spectra near the passing frequencies; empty where there are none."""
     lines = []
     for run in runs:
-        marks = measures.loading_frequencies(run)
+        marks = frequencies.of_passage(run)
         if not marks or not run.sleeper or signals.step_of(run.time[run.passage()]) is None:
             continue
-        lines += ["", f"spectra of sleepers near the loading frequencies, {run.name}"]
+        lines += ["", f"spectra of sleepers near the passing frequencies, {run.name}"]
         for name in ("acceleration", "seat_force"):
             found = spectrum_of(run, name)
             lines += [f"  {name.replace('_', ' '):<16}{f'{mark} = {target:.2f} Hz':<24}"
@@ -162,23 +161,26 @@ def spectra(runs):
     """Amplitude spectra of the sleepers in the passage, root mean square over all sleepers."""
     needs(all(run.sleeper for run in runs), "no sleepers")
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(9, 9))
-    marks = measures.loading_frequencies(runs[0])
+    marks = frequencies.of_passage(runs[0])
+    shown_hz = max(SHOWN_HZ, BEYOND * max(marks.values(), default=0))
     for run, colour in zip(runs, COLOURS):
         for panel, (name, (unit, _)) in zip(panels, SPECTRA.items()):
             frequency, mean = spectrum_of(run, name)
-            shown = frequency <= SHOWN_HZ
+            shown = frequency <= shown_hz
             panel.plot(frequency[shown], mean[shown], color=colour, lw=1, label=run.name)
             panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
     for panel in panels:
         for mark, target in marks.items():
             panel.axvline(target, color="0.4", lw=0.8, ls=":")
-            panel.text(target, 0.97, f" {mark}", transform=panel.get_xaxis_transform(), va="top")
+            panel.text(target, 0.97, f" {mark}", transform=panel.get_xaxis_transform(), va="top",
+                       rotation=90, ha="right", fontsize=8)
         panel.grid(alpha=0.3)
     sampled = runs[0].time[runs[0].passage()]
     panels[0].set_ylabel(f"acceleration (m/s2)\n{FILTER.name_for(sampled)}", fontsize=9)
-    panels[0].legend(fontsize=8)
+    words = ", ".join(f"{mark} = {target:.1f} Hz" for mark, target in marks.items())
     panels[-1].set_xlabel("frequency (Hz)")
-    panels[0].set_title("Spectra of sleepers, root mean square over all", fontsize=10)
+    legend_below(panels[-1])
+    panels[0].set_title(f"Spectra of sleepers, root mean square over all\n{words}", fontsize=10)
     return figure
 
 
@@ -229,7 +231,7 @@ def force_chains(runs):
     run = runs[0]
     stages = [name for name, chains in run.chains.items() if len(chains.force)][-CHAIN_STAGES:]
     needs(stages, "no force chains")
-    edge = measures.edge_of_structure(run)
+    edge = ground_blocks.edge_of_structure(run)
     figure, panels = plt.subplots(len(stages) + 1, 1, figsize=(11, 2.4 * (len(stages) + 1)),
                                   squeeze=False)
     strongest = {name: float(np.max(run.chains[name].force)) for name in stages}
@@ -304,21 +306,22 @@ def overview(runs):
         compression = -run.ground_envelope["sigma_z_min"].values[order] / 1e3
         panels[2].plot(x, measures.smoothed(x, compression, measures.spacing(run)), color=colour,
                        label=run.name)
-    panels[1].set_ylabel("lowest displacement of\nthe ground surface (mm)")
+    panels[1].set_ylabel(f"lowest displacement of\nthe ground surface, {UP}")
     panels[2].set_ylabel("largest compression (kPa),\nmean over a sleeper spacing")
     panels[1].set_title("In the passage, displacement relative to its beginning", fontsize=10)
     panels[2].set_title(f"Compression {STRESS_COUNTS}", fontsize=10)
     for panel in panels[1:]:
         mark_blocks(panel, runs[0])
-        panel.legend(fontsize=8, loc="best")
         panel.grid(alpha=0.3)
     panels[2].set_xlabel("x along the track (m)")
+    legend_below(panels[2])
     return figure
 
 
 FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "stress": stress,
            "spectrum": spectra, "force_chains": force_chains, "energy": energy,
-           **bed_figures.FIGURES, **bed_histories.FIGURES, **stage_histories.FIGURES}
+           **bed_figures.FIGURES, **bed_histories.FIGURES, "support": support_figure.draw,
+           **stage_histories.FIGURES}
 
 
 # They show the ends of stages.
@@ -342,7 +345,7 @@ def draw_all(runs, folder, ends=True):
             continue
         figure.tight_layout(rect=(0, write.ORIGIN, 1, 1))
         folder.picture(name, figure)
-    text = measures.table(runs) + "".join(measures.region_table(run) for run in runs)
+    text = ground_transition.table(runs) + "".join(measures.region_table(run) for run in runs)
     supported = [run for run in runs if len(run.sleepers_x) and run.sleeper]
     if supported:
         text += "\n" + "".join(support.summary(run) + "\n" for run in supported)

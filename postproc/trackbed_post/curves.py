@@ -11,7 +11,7 @@ import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measured, read, write
+from trackbed_post import measured, panels, read, write
 
 STYLES = ("-", "--", "-.", ":")
 AXES = ("history/time", "history/stage", "envelope/x", "envelope/place")
@@ -53,7 +53,7 @@ def _sides(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _columns(item: h5py.Dataset, count: int) -> list[str]:
-    """A label for each column of a history: its place, or its name and number."""
+    """A label for each column of a history: its place, its axle, or its name and number from 1."""
     if count == 1 or item.ndim < 2 or not item.dims[1].values():
         return [""] * count
     scale = item.dims[1].values()[0]
@@ -63,7 +63,10 @@ def _columns(item: h5py.Dataset, count: int) -> list[str]:
     if name == "place" and "x" in item.parent:
         return [f"x = {x:g} m, {('left', 'right')[k % 2]}"
                 for k, x in enumerate(item.parent["x"][()])]
-    return [f"{name} {k}" for k in range(count)]
+    if name == "wheel" and "x" in item.parent:
+        twice = panels.on_two_rails(item.parent["x"][()].reshape(-1, count))
+        return [panels.axle(k, twice) for k in range(count)]
+    return [f"{name} {k + 1}" for k in range(count)]
 
 
 def _read(path: pathlib.Path, name: str) -> tuple[np.ndarray, str, np.ndarray, str, list[str]]:

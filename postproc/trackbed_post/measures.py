@@ -1,49 +1,18 @@
-"""Measures of a transition zone: response on the structure, beyond it, and the change between.
+"""Measures of the results of a run: sleepers, regions, stresses, grading, breakage, energies.
 
-Everything is computed from the envelopes of the passage (relative to its begin) and from the deck
-stored in the result file.
+Those of a transition zone are in ground_transition.py and transition.py.
 """
-import collections.abc
 import dataclasses
 import typing
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from trackbed_post import read
+from trackbed_post import ground_blocks, read
 
-Runs = collections.abc.Sequence[read.Results]
-REACHED = 0.9    # the transition ends where this fraction of the change is reached
-CLEAR = 0.10     # a smaller relative difference of two runs is no clear effect
 LASTING = 1e-3   # m, a larger residual displacement of a sleeper means that stones have moved
-TINY = 1e-9      # m, tolerance of coordinates
+TINY = ground_blocks.TINY
 NOWHERE = float("nan")
-
-
-@dataclasses.dataclass(frozen=True)
-class Transition:
-    """Displacements are downwards, stresses are compression. nan: the model has no such place."""
-    edge: float                     # m, end of the structure
-    structure_displacement: float   # m, largest on the structure
-    far_displacement: float         # m, median over the plain track beyond the wedge
-    width: float                    # m, from the edge to REACHED of the change
-    steepest: float                 # m/m, ground displacement smoothed over one spacing, whole line
-    steepest_x: float               # m, its x
-    edge_slope: float               # m/m, the same within one spacing of the edge
-    stress_structure: float         # Pa, mean over one sleeper spacing before the edge
-    stress_beyond: float            # Pa, the same behind the edge
-    sleeper_displacement: float     # m, largest of all sleepers
-    sleeper_residual: float         # m, largest magnitude after the passage
-
-    @property
-    def stress_jump(self) -> float:
-        """Magnitude of the change of stress from before to behind the edge, Pa."""
-        return abs(self.stress_structure - self.stress_beyond)
-
-    @property
-    def stress_level(self) -> float:
-        """Mean stress around the edge, Pa: the reference of a jump."""
-        return (self.stress_structure + self.stress_beyond) / 2
 
 
 def spacing(results: read.Results) -> float:
@@ -68,85 +37,9 @@ def sleepers_of_track(track: read.Deck, usual: float) -> np.ndarray:
     return np.concatenate([[0.0], *places])
 
 
-def blocks(results: read.Results) -> dict[str, tuple[float, float]]:
-    """{name: (smallest x, largest x) at the top} of the ground's blocks that are present."""
-    found = {}
-    for block in results.deck.get("ground", {}).get("block", []):
-        outline = np.reshape(block["outline"], (-1, 2))
-        top = outline[outline[:, 1] >= np.max(outline[:, 1]) - TINY]
-        if block.get("present", True):
-            found[block["name"]] = (float(np.min(top[:, 0])), float(np.max(top[:, 0])))
-    return found
-
-
-def edge_of_structure(results: read.Results) -> float | None:
-    """x of the end of block `structure` that is inside the ground, m; None without one."""
-    ends = blocks(results).get("structure")
-    if ends is None or not len(results.ground_x):
-        return None
-    low, high = np.min(results.ground_x), np.max(results.ground_x)
-    inside = [x for x in ends[::-1] if low < x < high]
-    return inside[0] if inside else None
-
-
 def smoothed(x: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:
     """Mean of the values within +-width/2 of each x, as stones load single nodes."""
     return np.array([np.mean(values[np.abs(x - place) <= width / 2 + TINY]) for place in x])
-
-
-def direction(results: read.Results, edge: float) -> int:
-    """+1 or -1: the direction away from the structure. The soft side is the longer one, so that the
-    structure may be at either end."""
-    distance = results.ground_x - edge
-    return -1 if -np.min(distance) > np.max(distance) else 1
-
-
-def wedge_length(results: read.Results) -> float:
-    """Distance from the edge to the farthest point of any block but the structure, m; includes
-    blocks that are not present, so that runs with and without wedge are measured at the same
-    place."""
-    edge = edge_of_structure(results)
-    if edge is None:
-        return 0.0
-    outlines = [np.reshape(block["outline"], (-1, 2))[:, 0]
-                for block in results.deck.get("ground", {}).get("block", [])
-                if block["name"] != "structure"]
-    turn = direction(results, edge)
-    return float(max([0.0] + [np.max(turn * (x - edge)) for x in outlines]))
-
-
-def _orderly(results: read.Results, edge: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Distance from the edge into the soft ground, m, with displacement and compression."""
-    distance = direction(results, edge) * (results.ground_x - edge)
-    order = np.argsort(distance)
-    down = -results.ground_envelope["displacement_min"].values
-    compression = -results.ground_envelope["sigma_z_min"].values
-    return distance[order], down[order], compression[order]
-
-
-def _width(distance: np.ndarray, down: np.ndarray, start: float, end: float) -> float:
-    """Where `down` first reaches REACHED of the change from start to end; nan if never."""
-    reached = np.flatnonzero((distance > TINY) & ((down - start) * np.sign(end - start)
-                                          >= REACHED * abs(end - start)))
-    return float(distance[reached[0]]) if len(reached) and np.isfinite(end) else NOWHERE
-
-
-def _plain(distance: np.ndarray, down: np.ndarray, begin: float, reach: float) -> float:
-    """Median of `down` from `begin` on, if that is at least one sleeper spacing long; else nan."""
-    if distance[-1] - begin < reach - TINY:
-        return NOWHERE
-    return float(np.median(down[distance >= begin - TINY]))
-
-
-def _slopes(distance: np.ndarray, smooth: np.ndarray, reach: float) -> tuple[float, float, float]:
-    """Steepest slope and its position, then the steepest within one spacing of the edge. The ends,
-    where the mean over a spacing is truncated, are omitted."""
-    slope = np.abs(np.gradient(smooth, distance))
-    whole = ((distance >= distance[0] + reach / 2 - TINY)
-             & (distance <= distance[-1] - reach / 2 + TINY))
-    where = np.flatnonzero(whole)[np.argmax(slope[whole])]
-    at_edge = np.max(slope[np.abs(distance) <= reach + TINY])
-    return float(slope[where]), float(distance[where]), float(at_edge)
 
 
 def residual_displacement(results: read.Results) -> np.ndarray:
@@ -167,46 +60,10 @@ def why_no_envelope(results: read.Results) -> str:
         else f"{results.name} has no ground, or no history of it"
 
 
-def why_no_transition(results: read.Results) -> str:
-    """Why a run has no transition; empty if it has one."""
-    return why_no_envelope(results) or (
-        "" if edge_of_structure(results) is not None else
-        f'{results.name}: the ground needs a block named "structure" (present = true); at least '
-        "one of its ends along x must lie inside the ground")
-
-
-def transition(results: read.Results, wedge: float = 0.0) -> Transition | None:
-    """None without a transition (`why_no_transition`). `wedge`: least distance from the edge at
-    which plain track begins, m (that of another run's wedge)."""
-    edge = edge_of_structure(results)
-    if edge is None or why_no_transition(results):
-        return None
-    distance, down, compression = _orderly(results, edge)
-    reach = spacing(results)
-    smooth = smoothed(distance, down, reach)
-    start = float(np.max(down[distance <= TINY]))
-    end = _plain(distance, down, max(wedge, wedge_length(results)) + reach, reach)
-    steepest, where, at_edge = _slopes(distance, smooth, reach)
-    # The same number of nodes on both sides; the node at the edge belongs to neither.
-    before = (distance < -TINY) & (distance >= -reach - TINY)
-    behind = (distance > TINY) & (distance <= reach + TINY)
-    sleeper, residual = results.sleeper_envelope.get("displacement_min"), \
-        residual_displacement(results)
-    return Transition(
-        edge=edge, structure_displacement=start, far_displacement=end,
-        width=_width(distance, smooth, start, end),
-        steepest=steepest, steepest_x=edge + direction(results, edge) * where, edge_slope=at_edge,
-        stress_structure=float(np.mean(compression[before])),
-        stress_beyond=float(np.mean(compression[behind])),
-        sleeper_displacement=float(np.max(-sleeper.values)) if sleeper else NOWHERE,
-        sleeper_residual=float(np.max(np.abs(residual))) if len(residual) else NOWHERE)
-
-
 def loading_frequencies(results: read.Results) -> dict[str, float]:
     """{name: Hz}: speed over distance of bogie centres and over wheelbase, from [load]; empty if
     the passage was that of a train on a rail."""
-    passages = [stage for stage in results.deck.get("stage", []) if stage.get("kind") == "passage"]
-    if passages and passages[-1].get("train", False):
+    if ground_blocks.carried_by_springs(results):
         return {}
     load = results.deck.get("load", {})
     axles, speed = np.asarray(load.get("axles", [])), load.get("speed", 0.0)
@@ -216,58 +73,6 @@ def loading_frequencies(results: read.Results) -> dict[str, float]:
     if len(axles) >= 2:
         found["v/L_w"] = speed / (axles[1] - axles[0])
     return found
-
-
-ROWS = (  # label, unit, field, factor
-    ("largest ground displacement on the structure", "mm", "structure_displacement", 1e3),
-    ("median ground displacement on plain track", "mm", "far_displacement", 1e3),
-    (f"width of the transition ({REACHED:.0%} of the change)", "m", "width", 1),
-    ("steepest slope of the ground displacement", "mm/m", "steepest", 1e3),
-    ("  which is at x =", "m", "steepest_x", 1),
-    ("steepest slope within a spacing of the edge", "mm/m", "edge_slope", 1e3),
-    ("mean stress, last sleeper spacing on structure", "kPa", "stress_structure", 1e-3),
-    ("mean stress, first sleeper spacing beyond it", "kPa", "stress_beyond", 1e-3),
-    ("stress jump at the edge, difference of these means", "kPa", "stress_jump", 1e-3),
-    ("largest sleeper displacement in the passage", "mm", "sleeper_displacement", 1e3),
-    ("largest residual sleeper displacement after it", "mm", "sleeper_residual", 1e3),
-)
-PLACES = ("steepest_x",)  # rows without a meaningful relative change
-
-
-def table(runs: Runs) -> str:
-    """Text of the results of one or two runs; with two also the change from the second to the
-    first, which is the effect of the wedge if only the first has one."""
-    wedge = max(wedge_length(run) for run in runs)
-    found = [one for run in runs if (one := transition(run, wedge))]
-    if len(found) < len(runs):
-        reasons = "; ".join(filter(None, map(why_no_transition, runs)))
-        return f"no transition to measure: {reasons}\n" + "".join(
-            line + "\n" for run in runs for line in warnings(run))
-    head = f"{'downwards and compression positive':<48}{'':>6}"
-    lines = [head + "".join(f"{run.name:>12}" for run in runs)
-             + (f"{'change':>10}" if len(runs) == 2 else "")]
-    for label, unit, field, factor in ROWS:
-        values = [getattr(numbers, field) * factor for numbers in found]
-        line = f"{label:<48}{unit:>6}" + "".join(
-            f"{value:12.4g}" if np.isfinite(value) else f"{'-':>12}" for value in values)
-        if len(values) == 2 and values[1] and np.all(np.isfinite(values)) and field not in PLACES:
-            line += f"{values[0] / values[1] - 1:+10.1%}"
-        lines.append(line)
-    lines += ["", "stresses: added by the passage; without weight of the bed and static "
-              "preload"]
-    if not np.isfinite(found[0].far_displacement):
-        lines.append("this model has no plain track beyond the wedge: the width of the transition "
-                     "is not defined")
-    moved_stones = [line for run in runs for line in warnings(run)]
-    lines += moved_stones
-    if len(found) == 2:
-        if runs[0].deck.get("stage") != runs[1].deck.get("stage"):
-            lines.append("warning: the two decks differ in their stages")
-        if moved_stones:
-            lines.append("warning: differences in the comparison below may have other causes than "
-                         "the wedge: see the warnings above")
-        lines += effect(found[0], found[1], differ_by_wedge(*runs))
-    return "\n".join(lines) + "\n"
 
 
 def ground_lowered(results: read.Results) -> np.ndarray:
@@ -306,57 +111,6 @@ def warnings(results: read.Results) -> list[str]:
         f"{1e3 * abs(left):.2f} mm {'downwards' if left > 0 else 'upwards'} relative to the ground "
         f"(limit {1e3 * LASTING:.0f} mm): stones were rearranged"
         for x, left in zip(results.sleepers_x, kept - sunk) if abs(left) > LASTING]
-
-
-def differ_by_wedge(first: read.Results, second: read.Results) -> bool:
-    """Whether the first run has blocks of the ground that the second is without, and no other
-    difference of blocks."""
-    return set(blocks(first)) > set(blocks(second))
-
-
-def _verdict(change: float, wanted: int, by_wedge: bool) -> str:
-    """`change`: relative; `wanted`: its sign under a wedge, in the first run only."""
-    if abs(change) <= CLEAR:
-        return f"no clear effect (within {CLEAR:.0%})"
-    if not by_wedge:
-        return ("change relative to the second run; no verdict: the first run must contain all "
-                "blocks of the ground of the second and at least one more (the wedge)")
-    return f"{'as' if change * wanted > 0 else 'NOT as'} expected of a wedge"
-
-
-def _change(a: float, b: float) -> float:
-    """Change relative to the second value; nan if either is missing or the second is zero."""
-    return a / b - 1 if b and np.isfinite(a) and np.isfinite(b) else NOWHERE
-
-
-def effect(first: Transition, second: Transition, by_wedge: bool) -> list[str]:
-    """Messages on the differences between two runs; `by_wedge`: only the first has a wedge."""
-    lines = []
-    far = _change(first.far_displacement, second.far_displacement)
-    differs = np.isfinite(far) and abs(far) > CLEAR
-    if np.isfinite(far):
-        lines.append(f"ground displacement on plain track beyond the wedge: {far:+.0%}: " + (
-            f"equal within {CLEAR:.0%}, so the runs are comparable" if abs(far) <= CLEAR else
-            f"differs by more than {CLEAR:.0%}, although neither run has a wedge there: the runs "
-            "are not comparable"))
-    for what, field, wanted in (("width of the transition", "width", 1),
-                                ("steepest slope, whole line", "steepest", -1),
-                                ("slope at the edge", "edge_slope", -1)):
-        change = _change(getattr(first, field), getattr(second, field))
-        if not np.isfinite(change):
-            continue
-        # The width refers to the plain track and is meaningless if that differs.
-        unclear = differs and field == "width"
-        lines.append(f"{what}: {change:+.0%}: " + (
-            "no verdict, since the plain tracks differ" if unclear
-            else _verdict(change, wanted, by_wedge)))
-    # A jump may be near zero, so its change is relative to the stress itself.
-    if second.stress_level:
-        change = (first.stress_jump - second.stress_jump) / abs(second.stress_level)
-        lines.append("change of the stress jump relative to the mean stress at the edge: "
-                     f"{change:+.0%}: "
-                     f"{_verdict(change, -1, by_wedge)}")
-    return lines
 
 
 REGION_ROWS = (("void ratio", "-"), ("bulk density", "kg/m3"), ("coordination number", "-"),
@@ -420,7 +174,7 @@ def principal_direction(stress: ArrayLike) -> np.ndarray:
 
 def chosen_sleepers(run: read.Results) -> list[int]:
     """Three sleepers to show: first, nearest to the structure's edge (or the middle one), last."""
-    edge = edge_of_structure(run)
+    edge = ground_blocks.edge_of_structure(run)
     x = run.sleepers_x
     middle = len(x) // 2 if edge is None else int(np.argmin(np.abs(x - edge)))
     return sorted({0, middle, len(x) - 1})

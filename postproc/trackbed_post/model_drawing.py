@@ -7,16 +7,16 @@ import matplotlib.lines
 import matplotlib.patches
 import numpy as np
 
-from trackbed_post import figure_csv, measures, read
+from trackbed_post import figure_csv, frequencies, ground_blocks, measures, read
 
 LAYERS = ("#e8dcc0", "#d9c7a0", "#c8b184", "#b79b6c")  # from the top down
 STRUCTURE = {"facecolor": "#9aa0a6", "edgecolor": "#4d4d4d", "hatch": "//"}
-WEDGE = {"facecolor": "#a9c9a4", "edgecolor": "#4f7a4a", "hatch": ".."}
-SHADES = {"structure": ("0.35", 0.30), "wedge": ("tab:green", 0.13)}
+SOFT = {"facecolor": "#a9c9a4", "edgecolor": "#4f7a4a", "hatch": ".."}
 STONE = "#8c8c8c"
 SLEEPER = "#5b4636"
+DIRECTION = "direction of travel →"
 FORCE = "#c1121f"
-RAIL_HEIGHT, AXLE_GAP = 0.172, 4.0  # m; axles that are closer than the last form a bogie
+RAIL_HEIGHT = 0.172                 # m
 CHAIN_WIDTH = 6.0                   # points, line of the largest force
 BEYOND = 2.5                        # m, shown before and behind the bed
 CUT, BELOW = 2.6, 0.2               # m, shown above the ground's top and below its base
@@ -43,22 +43,6 @@ def heading(run):
     return (f"{run.deck.get('title', run.name)} ({vehicles}, "
             f"{3.6 * train.get('speed', 0):.0f} km/h; plane model, "
             f"{run.deck.get('thickness', 0):g} m thick)")
-
-
-def shade_blocks(panel, run, names):
-    """Shades the structure and the stretch of all other blocks of the ground over x."""
-    found = measures.blocks(run)
-    others = [ends for name, ends in found.items() if name != "structure"]
-    spans = {"structure": found["structure"]} if "structure" in found else {}
-    if others:
-        spans["wedge"] = (min(low for low, _ in others), max(high for _, high in others))
-    for name, (low, high) in spans.items():
-        colour, alpha = SHADES[name]
-        panel.axvspan(low, high, lw=0, zorder=0, color=colour, alpha=alpha)
-        if names:
-            words = "structure" if name == "structure" else "wedge (in the first run)"
-            panel.text((low + high) / 2, 0.97, words, fontsize=9, ha="center", va="top",
-                       transform=panel.get_xaxis_transform())
 
 
 def ends_of(run):
@@ -125,7 +109,7 @@ class Scene:
             if not block.get("present", True):
                 continue
             outline = np.reshape(block["outline"], (-1, 2))
-            style = STRUCTURE if block["name"] == "structure" else WEDGE
+            style = STRUCTURE if ground_blocks.is_structure(block) else SOFT
             self.panel.add_patch(matplotlib.patches.Polygon(outline, lw=0.7, **style))
             self.panel.text(*outline.mean(axis=0), f"{block['name'].replace('_', ' ')}, "
                             f"{modulus(block['young'])}", ha="center", va="center", fontsize=9,
@@ -174,6 +158,13 @@ class Scene:
             RAIL_HEIGHT, facecolor="0.25", lw=0, zorder=4))
         return bottom + RAIL_HEIGHT
 
+    def show_direction(self):
+        """An arrow in the upper left corner, visible also without a vehicle: trains run towards
+        larger x."""
+        self.panel.text(0.01, 0.96, DIRECTION, fontsize=11, va="top",
+                        transform=self.panel.transAxes, zorder=10,
+                        bbox={"facecolor": "white", "alpha": 0.75, "lw": 0, "pad": 1})
+
     def set_chains(self, chains, largest):
         """Red lines whose width is proportional to the force."""
         if self.chains is None:
@@ -206,16 +197,13 @@ class Scene:
             there = np.sort(group[np.isfinite(group)])
             if not len(there):
                 continue
-            for bogie in np.split(there, np.flatnonzero(np.diff(there) > AXLE_GAP) + 1):
+            for bogie in frequencies.bogies_of(there):
                 self._add(matplotlib.patches.Rectangle(
                     (bogie[0] - 0.3, z), bogie[-1] - bogie[0] + 0.6, 0.3, facecolor="0.45"))
             if len(there) == len(group):
                 self._add(matplotlib.patches.Rectangle(
                     (there[0] - 2, z + 0.45), there[-1] - there[0] + 4, 2.4, facecolor="#dfe7ef",
                     edgecolor="#2f4b66"))
-                front = self.panel.text(there[-1] + 1.9, z + 0.7, "→", fontsize=18, ha="right",
-                                        va="center", clip_on=True, zorder=6)
-                self.train.append(front)
         return self.train
 
     def _add(self, patch):

@@ -70,6 +70,7 @@ class Results:
     ground_x: np.ndarray
     time: np.ndarray
     stage: np.ndarray
+    wheel_x: np.ndarray  # m, [time, wheel], nan beside the track; empty without vehicles
     sleeper: Quantities
     ground: Quantities
     energy: Quantities
@@ -259,6 +260,7 @@ def _results(file_path: pathlib.Path, file: h5py.File) -> Results:
         ground_x=_array(file, "ground/x"),
         time=_array(file, "history/time"),
         stage=_array(file, "history/stage"),
+        wheel_x=_array(file, "history/wheel/x"),
         sleeper=_of_places(file, "history/sleeper"),
         ground=_of_places(file, "history/ground"),
         energy=_quantities(file, "history/energy"),

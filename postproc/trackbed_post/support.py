@@ -6,7 +6,7 @@ import numpy as np
 
 from trackbed_post import measures, read
 
-SECANT = 0.2  # of the increase of the reaction, where the secant of the support begins
+SECANT = 0.2  # of the increase of the reaction, where the secant of the bed begins
 HANGS = 1e-4  # m, a larger gap means that a sleeper hangs
 
 
@@ -15,16 +15,21 @@ class Support:
     """What stones and ground below each sleeper do in the passage."""
     lowered: np.ndarray    # [time, sleeper], m, downwards relative to the ground
     reaction: np.ndarray   # [time, sleeper], N
-    bed: np.ndarray        # N/m, secant of the reaction over `lowered`
-    whole: np.ndarray      # N/m, the same over the displacement itself: with the ground
+    bed: np.ndarray        # N/m, secant of the reaction over `lowered`, without the gap
+    whole: np.ndarray      # N/m, increase of the reaction over the displacement: all of it
     # m, where the secant of the bed has the first reaction, at least 0; of a sleeper that was not
     # loaded more than at first its largest displacement, which its gap exceeds.
     gap: np.ndarray
 
     @property
+    def hangs(self) -> np.ndarray:
+        """Whether each sleeper hangs."""
+        return self.gap > HANGS
+
+    @property
     def hanging(self) -> int:
         """Number of sleepers that hang."""
-        return int(np.count_nonzero(self.gap > HANGS))
+        return int(np.count_nonzero(self.hangs))
 
     def words(self) -> str:
         if np.isnan(self.gap).all():
@@ -33,9 +38,10 @@ class Support:
 
 
 def of(results: read.Results) -> Support:
-    """The load of a sleeper is followed backwards from its largest reaction to SECANT of the
-    increase since the first row, which must be before the load of the train. Numbers of the bed
-    alone are not known (NOWHERE) if the ground's histories were left out."""
+    """The secant of the bed begins where the reaction first exceeds SECANT of its increase since
+    the first row, which must be before the load of the train: neither the ground, which the axles
+    on both sides of a sleeper keep low, nor stones that settle under the first axles enter twice.
+    Numbers of the bed alone are not known (NOWHERE) if the ground's histories were left out."""
     rows = results.passage()
     height = results.sleeper["displacement"].values[rows]
     reaction = results.sleeper["reaction"].values[rows]
@@ -48,25 +54,23 @@ def of(results: read.Results) -> Support:
                     np.full(count, measures.NOWHERE), np.max(lowered, axis=0, initial=0.0))
     for k in range(count):
         most = int(np.argmax(reaction[:, k]))
-        level = reaction[0, k] + SECANT * (reaction[most, k] - reaction[0, k])
-        below = np.flatnonzero(reaction[:most, k] <= level)
-        if not len(below):
+        increase = reaction[most, k] - reaction[0, k]
+        if increase <= 0:
             continue
-        last = below[-1]   # the secant begins between this row and the next one
-        part = (level - reaction[last, k]) / (reaction[last + 1, k] - reaction[last, k])
-
-        def way(values: np.ndarray) -> tuple[float, float]:
-            begin = values[last, k] + part * (values[last + 1, k] - values[last, k])
-            return begin, values[most, k] - begin
-
-        rise = reaction[most, k] - level
-        begin, pressed = way(lowered)
-        if pressed > 0:
-            found.bed[k] = rise / pressed
-            found.gap[k] = max(begin - (level - reaction[0, k]) / found.bed[k], 0.0)
-        if (sunk := way(whole)[1]) > 0:
-            found.whole[k] = rise / sunk
+        if whole[most, k] > 0:
+            found.whole[k] = increase / whole[most, k]
+        level = reaction[0, k] + SECANT * increase
+        begin = _where_reached(reaction[:, k], level, lowered[:, k])
+        if (pressed := lowered[most, k] - begin) > 0:
+            found.bed[k] = (1 - SECANT) * increase / pressed
+            found.gap[k] = max(begin - SECANT * increase / found.bed[k], 0.0)
     return found
+
+
+def _where_reached(reaction: np.ndarray, level: float, values: np.ndarray) -> float:
+    """Value, linear between rows, at which the reaction first exceeds a level above the first."""
+    after = int(np.argmax(reaction > level))
+    return float(np.interp(level, reaction[after - 1:after + 1], values[after - 1:after + 1]))
 
 
 def summary(run: read.Results) -> str:
@@ -75,10 +79,11 @@ def summary(run: read.Results) -> str:
 
 
 def table(runs: collections.abc.Iterable[read.Results]) -> str:
-    """CSV, a row for each sleeper of each run."""
-    lines = ["run,x_m,bed_N_m,bed_and_ground_N_m,gap_m"]
+    """CSV, a row for each sleeper of each run; hangs: 1 or 0."""
+    lines = ["run,x_m,bed_N_m,bed_and_ground_N_m,gap_m,hangs"]
     for run in runs:
         found = of(run)
-        lines += [f"{run.name},{x:.9g},{bed:.6g},{whole:.6g},{gap:.6g}" for x, bed, whole, gap in
-                  zip(run.sleepers_x, found.bed, found.whole, found.gap)]
+        lines += [f"{run.name},{x:.9g},{bed:.6g},{whole:.6g},{gap:.6g},{int(hangs)}"
+                  for x, bed, whole, gap, hangs in zip(run.sleepers_x, found.bed, found.whole,
+                                                       found.gap, found.hangs)]
     return "\n".join(lines) + "\n"

@@ -12,7 +12,7 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import read, signals, track_measures, train_strip
+from trackbed_post import panels, read, signals, track_measures, train_strip
 
 FILTER = signals.LowPass()
 SHOWN_AXLES = 4  # axles of the first rolling vehicle
@@ -166,8 +166,7 @@ def draw_wheels(run, length, panel):
     shown = np.where(on_track(run, length), force / 1e3, np.nan)
     twice = two_rails(run)  # the wheels of an axle are then listed left before right
     for i in (rolling(run) or range(shown.shape[1]))[:SHOWN_AXLES * (1 + twice)]:
-        axle = f"axle {i // 2 + 1}, {('left', 'right')[i % 2]}"
-        panel.plot(x[:, i], shown[:, i], lw=0.8, label=axle if twice else f"wheel {i + 1}")
+        panel.plot(x[:, i], shown[:, i], lw=0.8, label=panels.axle(i, twice))
     panel.set(xlabel="x of the wheel, m", ylabel="wheel force, kN")
 
 
@@ -223,7 +222,7 @@ def draw_displacements(run, _, panel):
         if f"history/{what}/displacement" in run:
             for place, values in zip(places(run, name), history(run, f"{what}/displacement").T):
                 panel.plot(time, 1e3 * values, style, lw=0.9, label=f"{what} at {place}")
-    panel.set(ylabel="displacement, mm", xlabel="time, s")
+    panel.set(ylabel=f"displacement,\n{panels.UP}", xlabel="time, s")
 
 
 def draw_seats(run, _, panel):
@@ -281,17 +280,17 @@ def draw(run, length, deck):
     heights = [2.0] * len(drawn)
     if above:
         heights.insert(1, train_strip.HEIGHT * len(above[1]))
-    figure, panels = plt.subplots(len(heights), 1, figsize=(8, 2 + sum(heights)), squeeze=False,
-                                  layout="constrained", gridspec_kw={"height_ratios": heights})
-    panels = list(panels[:, 0])
-    strip = panels.pop(1) if above else None
-    for draw_one, panel in zip(drawn, panels):
+    figure, grid = plt.subplots(len(heights), 1, figsize=(8, 2 + sum(heights)), squeeze=False,
+                                layout="constrained", gridspec_kw={"height_ratios": heights})
+    places = list(grid[:, 0])
+    strip = places.pop(1) if above else None
+    for draw_one, panel in zip(drawn, places):
         draw_one(run, length, panel)
         panel.grid(alpha=0.3)
         if panel.lines:
-            panel.legend(fontsize=7, ncols=2)
+            panels.legend_above(panel, size=7)
     if above:
-        draw_train_above(above, strip, panels[1:])
+        draw_train_above(above, strip, places[1:])
     return figure
 
 
@@ -308,26 +307,26 @@ def draw_envelope(run):
     twice = two_rails(run)
     x = run["envelope/x"].values.ravel()[::1 + twice]
     seats = "envelope/sleeper/seat_force_max" in run
-    figure, panels = plt.subplots(1 + seats, 1, figsize=(8, 3 + 2.5 * seats), sharex=True,
+    figure, grid = plt.subplots(1 + seats, 1, figsize=(8, 3 + 2.5 * seats), sharex=True,
                                   squeeze=False, layout="constrained")
     for what in ("rail", "sleeper"):
         if f"envelope/{what}/displacement_min" not in run:
             continue
         most = sides(run, f"envelope/{what}/displacement_max", twice)
         for side, least in sides(run, f"envelope/{what}/displacement_min", twice).items():
-            line, = panels[0, 0].plot(x, 1e3 * least, "-" if what == "rail" else "--", lw=0.9,
+            line, = grid[0, 0].plot(x, 1e3 * least, "-" if what == "rail" else "--", lw=0.9,
                                       label=f"{what}{side}")
-            panels[0, 0].plot(x, 1e3 * most[side], line.get_linestyle(), lw=0.9,
+            grid[0, 0].plot(x, 1e3 * most[side], line.get_linestyle(), lw=0.9,
                               color=line.get_color())
-    panels[0, 0].set(ylabel="least and largest\ndisplacement, mm")
+    grid[0, 0].set(ylabel=f"least and largest\ndisplacement, {panels.UP}")
     if seats:
         for side, most in sides(run, "envelope/sleeper/seat_force_max", twice).items():
-            panels[1, 0].plot(x, most / 1e3, lw=0.9, label=f"largest{side}")
-        panels[1, 0].set(ylabel="seat load, kN")
-    panels[-1, 0].set(xlabel="x, m")
-    for panel in panels[:, 0]:
+            grid[1, 0].plot(x, most / 1e3, lw=0.9, label=f"largest{side}")
+        grid[1, 0].set(ylabel="seat load, kN")
+    grid[-1, 0].set(xlabel="x, m")
+    for panel in grid[:, 0]:
         panel.grid(alpha=0.3)
-        panel.legend(fontsize=7, ncols=2)
+        panels.legend_above(panel)
     return figure
 
 
@@ -376,7 +375,7 @@ def envelopes(run):
         return
     twice = two_rails(run)
     x = run["envelope/x"].values.ravel()[::1 + twice]
-    for name, factor, axis in (("envelope/rail/displacement_min", 1e3, "lowest rail, mm"),
+    for name, factor, axis in (("envelope/rail/displacement_min", 1e3, f"lowest rail, {panels.UP}"),
                                ("envelope/sleeper/seat_force_max", 1e-3,
                                 "largest seat load, kN")):
         if name in run:
@@ -390,15 +389,15 @@ def draw_beside(names, runs):
     axes = [axis for axis in found[0] if all(axis in one for one in found)]
     if not axes:
         return None
-    figure, panels = plt.subplots(len(axes), 1, figsize=(8, 1 + 2.5 * len(axes)), sharex=True,
+    figure, grid = plt.subplots(len(axes), 1, figsize=(8, 1 + 2.5 * len(axes)), sharex=True,
                                   squeeze=False, layout="constrained")
-    for axis, panel in zip(axes, panels[:, 0]):
+    for axis, panel in zip(axes, grid[:, 0]):
         for number, (name, one) in enumerate(zip(names, found)):
             panel.plot(*one[axis], ("-", "--", "-.", ":")[number % 4], lw=1, label=name)
         panel.set(ylabel=axis)
         panel.grid(alpha=0.3)
-    panels[0, 0].legend(fontsize=8)
-    panels[-1, 0].set(xlabel="x, m")
+    panels.legend_above(grid[0, 0])
+    grid[-1, 0].set(xlabel="x, m")
     return figure
 
 

@@ -6,7 +6,7 @@ numbers: docs/track.md.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measures, read
+from trackbed_post import ground_blocks, panels, read, shades
 
 MARKERS = "osDvP*Xh"         # of axles in turn
 SHOWN_WHEELS = len(MARKERS)  # the first wheels are shown
@@ -119,12 +119,12 @@ def numbers(passing):
     return found
 
 
-def draw(passing, blocks):
-    """Three panels over x; `blocks` of the ground are shaded."""
+def draw(passing, stretches):
+    """Three panels over x; `stretches` with blocks of the ground are shaded."""
     figure, (wheels, down, left) = plt.subplots(3, 1, figsize=(9, 10), sharex=True,
                                                 layout="constrained")
     for axle in range(min(SHOWN_WHEELS, passing.x.shape[1])):
-        words = f"axle {axle + 1}"
+        words = panels.axle(axle, False)
         for rail, force in enumerate(passing.force[:, axle].T):
             side = ", right" if rail else ", left" if passing.force.shape[2] == 2 else ""
             wheels.plot(passing.x[:, axle], force / 1e3, "--" if rail else "-", lw=0.8,
@@ -136,22 +136,17 @@ def draw(passing, blocks):
                       label=f"under {words} relative to axle 1", **line)
     left.plot(passing.sleepers_x, 1e3 * passing.left, "k^--", ms=4, lw=0.9,
               label="after the train relative to before")
-    wheels.set(ylabel="wheel force, kN", title="Train over the bed")
-    down.set(ylabel="lowest position of each sleeper, mm")
-    left.set(ylabel="change of height of sleepers, mm", xlabel="x, m")
+    figure.suptitle("Train over the bed", fontsize=11)
+    wheels.set(ylabel="wheel force, kN")
+    down.set(ylabel=f"lowest displacement of\neach sleeper, {panels.UP}")
+    left.set(ylabel=f"change of height of\nsleepers, {panels.UP}", xlabel="x, m")
     low, high = passing.sleepers_x[0], passing.sleepers_x[-1]
     wheels.set_xlim(low - 4 * passing.spacing, high + 4 * passing.spacing)
     for panel in (wheels, down, left):
-        for name, (begin, end) in blocks.items():
-            panel.axvspan(begin, end, lw=0, alpha=0.3 if name == "structure" else 0.1,
-                          color="0.35" if name == "structure" else "tab:green", zorder=0)
+        shades.shade(panel, stretches)
         panel.grid(alpha=0.3)
-        panel.legend(fontsize=7, ncols=2)
-    for level, (name, ends) in enumerate(blocks.items()):
-        begin, end = np.clip(ends, *down.get_xlim())
-        if begin < end:
-            down.text((begin + end) / 2, 0.03 + 0.05 * level, name, ha="center", fontsize=8,
-                      transform=down.get_xaxis_transform(), clip_on=True)
+        panels.legend_above(panel, size=7)
+    shades.name(down, stretches, z=0.03)
     return figure
 
 
@@ -166,5 +161,5 @@ def draw_into(results, folder):
     wide = max(map(len, found)) + 1
     text = "".join(f"{name:{wide}} {value:10.4g} {unit}\n"
                    for name, (value, unit) in found.items())
-    folder.picture("train", draw(passing, measures.blocks(run)))
+    folder.picture("train", draw(passing, ground_blocks.stretches(run)))
     folder.table("train.txt", text)

@@ -7,21 +7,17 @@ runs differ by the wedge. Contact forces need field files within the passage
 (`output.fields_interval`). Definition of the numbers: docs/postproc.md.
 """
 import dataclasses
-import io
 import textwrap
 
-import matplotlib.pyplot as plt
 import numpy as np
-from PIL import Image
 
-from trackbed_post import measures, model_drawing, read, train_figures, write
+from trackbed_post import (ground_blocks, measures, read, train_figures, transition_figures,
+                           write)
+from trackbed_post.ground_blocks import ENDS
+from trackbed_post.ground_transition import REACHED
+from trackbed_post.judgement import CLEAR, NO_PAIR, Difference
 
-# Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
-STYLES = ({"color": "#0b559f", "ls": "-"}, {"color": "#d95f02", "ls": "--"})
 BIN = 0.1            # m, of the largest wheel force along the track
-ENDS = 3             # sleepers at each end of the bed that are not judged: beside springs
-FRAME_MS = 120       # ms, each picture of the film is shown
-WRAP = 118           # characters of a line below transition.png
 NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two designs may differ
 
 
@@ -59,6 +55,14 @@ class Train:
             found[k] = force[known][number == k].max()
         return (edges[:-1] + edges[1:]) / 2, found
 
+    def largest_force_in(self, sleepers):
+        """(N, x in m) of the largest force of any wheel between the first and last of these."""
+        x, force = self.largest_force()
+        low, high = self.run.sleepers_x[sleepers][[0, -1]]
+        force = np.where((x >= low) & (x <= high), force, np.nan)
+        most = int(np.nanargmax(force))
+        return float(force[most]), float(x[most])
+
     def mean_force(self):
         """Of a wheel over the bed, N: the static load, since the forces of a passage balance it."""
         return float(np.nanmean(np.where(self.passing.on_bed()[..., None], self.passing.force,
@@ -93,7 +97,7 @@ def train_of(folder):
 
 def named(trains):
     """With names for legends and files: what the design is, or the folder."""
-    if len(trains) == 2 and measures.differ_by_wedge(*(train.run for train in trains)):
+    if len(trains) == 2 and ground_blocks.differ_by_wedge(*(train.run for train in trains)):
         names = ("with wedge", "without wedge")
     else:
         names = [train.run.name for train in trains]
@@ -116,72 +120,93 @@ class Zone:
 def zone_of(run, wedge):
     """The Zone of a run; `wedge`: length of the longer wedge of the runs, m. None without a
     structure, or without sleepers in one of its parts."""
-    edge = measures.edge_of_structure(run)
+    edge = ground_blocks.edge_of_structure(run)
     if edge is None:
         return None
     x, spacing = run.sleepers_x, measures.spacing(run)
-    distance = measures.direction(run, edge) * (x - edge)
-    low, high = measures.blocks(run)["structure"]
+    distance = ground_blocks.direction(run, edge) * (x - edge)
+    low, high = ground_blocks.structure(run)
+    begin, end = ground_blocks.plain_track(run, edge, wedge, spacing)
     judged = np.arange(len(x))
     judged = (judged >= ENDS) & (judged < len(x) - ENDS)
     tiny = measures.TINY
     found = Zone(distance,
                  judged & (x >= low - tiny) & (x <= high + tiny) & (distance <= -spacing + tiny),
                  (distance >= -tiny) & (distance <= wedge + spacing + tiny),
-                 judged & (distance >= wedge + 2 * spacing - tiny))
+                 judged & (distance >= begin - tiny) & (distance <= end + tiny))
     parts = (found.structure, found.transition, found.plain)
     return found if all(np.count_nonzero(part) > 1 for part in parts) else None
 
 
 @dataclasses.dataclass(frozen=True)
 class Change:
-    """How the lowest level of the rail changes from the structure to plain track."""
+    """How the lowest level of the rail changes from the structure to plain track. Places are x, and
+    distances from the edge into the soft ground, m."""
+    zone: Zone
     structure: float  # m, mean of the sleepers on the structure
     plain: float      # m, median of the sleepers on plain track
-    width: float      # m, from the edge to measures.REACHED of the change
+    width: float      # m, from the edge to REACHED of the change
     steepest: float   # m/m, between neighbouring sleepers of the transition
+    steepest_x: float  # between both
+    steepest_behind: float
     scatter: float    # m/m, largest between neighbouring sleepers on plain track
     force: float      # N, largest wheel force in the transition
-    force_x: float    # m, where
+    force_x: float
+    force_behind: float
+    force_structure: float  # N, largest wheel force on the structure
+    force_plain: float      # N, largest wheel force on plain track
+    plain_begin: float      # x of the first and last sleeper of plain track
+    plain_end: float
 
 
-def steps_within(level, distance, part):
-    """Changes of level per metre between neighbouring sleepers that are both in the part."""
-    both = part[1:] & part[:-1]
-    return np.abs(np.diff(level) / np.diff(distance))[both]
+def steepest_within(level, place, part):
+    """(largest change of level per metre between neighbouring sleepers that are both in the part,
+    the place between both)."""
+    both = np.flatnonzero(part[1:] & part[:-1])
+    k = both[np.argmax(np.abs(np.diff(level) / np.diff(place))[both])]
+    return float(abs((level[k + 1] - level[k]) / (place[k + 1] - place[k]))), \
+        float(place[k:k + 2].mean())
 
 
 def changes_of(trains):
     """A Change of each train, or None if a run has no such zone. Plain track is the same in all
     designs: its level, from which the width follows, is the mean over them."""
-    wedge = max(measures.wedge_length(train.run) for train in trains)
+    wedge = max(ground_blocks.wedge_length(train.run) for train in trains)
     zones = [zone_of(train.run, wedge) for train in trains]
     if None in zones:
         return None
     plains = [float(np.median(train.rail_down()[zone.plain]))
               for train, zone in zip(trains, zones)]
-    found = []
-    for train, zone, plain in zip(trains, zones, plains):
-        level = train.rail_down()
-        structure = float(np.mean(level[zone.structure]))
-        x, force = train.largest_force()
-        low, high = train.run.sleepers_x[zone.transition][[0, -1]]
-        force = np.where((x >= low) & (x <= high), force, np.nan)
-        most = int(np.nanargmax(force))
-        found.append(Change(
-            structure, plain, width_of(zone.distance, level, structure, np.mean(plains)),
-            float(steps_within(level, zone.distance, zone.transition).max()),
-            float(steps_within(level, zone.distance, zone.plain).max()),
-            float(force[most]), float(x[most])))
-    return found
+    return [change_of(train, zone, plain, float(np.mean(plains)))
+            for train, zone, plain in zip(trains, zones, plains)]
+
+
+def change_of(train, zone, plain, goal):
+    """The Change of one train; `goal`: level of plain track from which the width follows, m."""
+    level, x = train.rail_down(), train.run.sleepers_x
+    structure = float(np.mean(level[zone.structure]))
+    steepest, steepest_x = steepest_within(level, x, zone.transition)
+    force, force_x = train.largest_force_in(zone.transition)
+
+    def behind(place):
+        return float(np.interp(place, x, zone.distance))
+    return Change(
+        zone=zone, structure=structure, plain=plain,
+        width=width_of(zone.distance, level, structure, goal), steepest=steepest,
+        steepest_x=steepest_x, steepest_behind=behind(steepest_x),
+        scatter=steepest_within(level, x, zone.plain)[0], force=force, force_x=force_x,
+        force_behind=behind(force_x),
+        force_structure=train.largest_force_in(zone.structure)[0],
+        force_plain=train.largest_force_in(zone.plain)[0],
+        plain_begin=float(x[zone.plain].min()), plain_end=float(x[zone.plain].max()))
 
 
 def width_of(distance, level, structure, plain):
     """Distance behind the edge at which the level, linear between sleepers, first reaches
-    measures.REACHED of the change; nan if never."""
+    REACHED of the change; nan if never."""
     order = np.argsort(distance)
     distance, level = distance[order], level[order]
-    goal = structure + measures.REACHED * (plain - structure)
+    goal = structure + REACHED * (plain - structure)
     at = np.concatenate([[0], distance[distance > measures.TINY]])
     there = (np.interp(at, distance, level) - goal) * np.sign(plain - structure)
     reached = np.flatnonzero(there >= 0)
@@ -193,21 +218,33 @@ def width_of(distance, level, structure, plain):
 
 ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3),
         ("lowest level of the rail on plain track beyond the wedge, mm down", "plain", 1e3),
-        (f"distance behind the structure where {measures.REACHED:.0%} of the change is reached, m",
+        (f"distance behind the structure where {REACHED:.0%} of the change is reached, m",
          "width", 1),
         ("steepest change between two sleepers of the transition, mm/m", "steepest", 1e3),
+        ("x of the steepest change of the transition, m", "steepest_x", 1),
+        ("distance of the steepest change behind the structure, m", "steepest_behind", 1),
         ("steepest change between two sleepers of plain track (scatter of the bed), mm/m",
          "scatter", 1e3),
         ("largest wheel force in the transition, kN", "force", 1e-3),
-        ("x of the largest wheel force in the transition, m", "force_x", 1))
+        ("x of the largest wheel force in the transition, m", "force_x", 1),
+        ("distance of the largest wheel force behind the structure, m", "force_behind", 1),
+        ("largest wheel force on the structure, kN", "force_structure", 1e-3),
+        ("largest wheel force on plain track, kN", "force_plain", 1e-3),
+        ("first sleeper of plain track, x, m", "plain_begin", 1),
+        ("last sleeper of plain track, x, m", "plain_end", 1))
 
 
-def compared(now, other, what, unit, factor, field):
-    """'x instead of y unit (-n %)', or that the difference is small."""
-    a, b = getattr(now, field) * factor, getattr(other, field) * factor
-    if not b or abs(a / b - 1) <= measures.CLEAR:
-        return f"{what} is nearly the same ({a:.3g} and {b:.3g} {unit})"
-    return f"{what} is {a:.2g} instead of {b:.2g} {unit} ({a / b - 1:+.0%})"
+def differences(trains, changes):
+    """Field of Change -> Difference of the first run from the second."""
+    now, other = changes
+    steps = max(now.scatter, other.scatter)
+    ripple = max(change.force_plain - train.mean_force() for train, change in zip(trains, changes))
+
+    def of(field, *rest):
+        return Difference(getattr(now, field), getattr(other, field), *rest)
+    return {"width": of("width", measures.spacing(trains[0].run), "m", 1, 1, "one sleeper spacing"),
+            "steepest": of("steepest", steps, "mm/m", 1e3, -1),
+            "force": of("force", ripple, "kN", 1e-3, -1)}
 
 
 def different_key(first, second):
@@ -220,7 +257,7 @@ def different_key(first, second):
                 yield path + key, value
     one, other = dict(flat(first.deck)), dict(flat(second.deck))
     differing = [key for key in {**one, **other} if one.get(key) != other.get(key)]
-    shared = measures.blocks(second)
+    shared = [block.name for block in ground_blocks.present(second)]
     blocks = [{each["name"]: each for each in run.deck["ground"].get("block", [])}
               for run in (first, second)]
     differing += [f"ground.block.{name}" for name in shared if blocks[0][name] != blocks[1][name]]
@@ -231,19 +268,21 @@ def why_no_verdict(trains, changes):
     if len(trains) < 2:
         return "give a second run, without the wedge"
     runs = [train.run for train in trains]
-    if not measures.differ_by_wedge(*runs):
-        return "the first run must have all blocks of the second and at least one more (the wedge)"
+    if not ground_blocks.differ_by_wedge(*runs):
+        return NO_PAIR
     if key := different_key(*runs):
         return f"the decks differ in {key}, not only in the wedge"
     if changes is None:
-        return "the bed has no structure, or too few sleepers on it, behind it or on plain track"
+        return ("the ground has no structure (a block with young of at least "
+                f"{ground_blocks.STRUCTURE / 1e9:g} GPa), or there are too few sleepers on it, "
+                "behind it or on plain track")
     now, other = changes
-    if min(abs(1 - change.structure / change.plain) for change in changes) <= measures.CLEAR:
+    if min(abs(1 - change.structure / change.plain) for change in changes) <= CLEAR:
         return ("the lowest levels of the rail on the structure and on plain track differ by less "
-                f"than {measures.CLEAR:.0%}")
-    if abs(now.plain / other.plain - 1) > measures.CLEAR:
+                f"than {CLEAR:.0%}")
+    if abs(now.plain / other.plain - 1) > CLEAR:
         return ("the lowest levels of the rail on the plain tracks of the two runs differ by more "
-                f"than {measures.CLEAR:.0%}")
+                f"than {CLEAR:.0%}")
     if not all(np.isfinite(change.width) for change in changes):
         return "the level of plain track is not reached behind the structure"
     return ""
@@ -254,27 +293,46 @@ def verdict(trains, changes):
     if why := why_no_verdict(trains, changes):
         return f"No verdict: {why}."
     now, other = changes
-    steepest = compared(now, other, "the steepest change of this level between two sleepers",
-                        "mm/m", 1e3, "steepest")
-    scatter = max(now.scatter, other.scatter)
-    if now.steepest <= (1 + measures.CLEAR) * now.scatter < other.steepest:
-        steepest += f", no more than the scatter on plain track ({1e3 * now.scatter:.2g} mm/m)"
-    else:
-        less = abs(now.steepest - other.steepest) < scatter
-        steepest += (f", a difference {'smaller' if less else 'larger'} than the scatter on plain "
-                     f"track ({1e3 * scatter:.2g} mm/m)")
+    judged = {field: found.words(True) for field, found in differences(trains, changes).items()}
     return ("The lowest level of the rail under the train changes from structure to plain track. "
-            f"With the wedge, {measures.REACHED:.0%} of this change is reached {now.width:.2g} m "
-            f"behind the structure instead of {other.width:.2g} m; {steepest}; "
-            + compared(now, other, "the largest wheel force in the transition", "kN", 1e-3,
-                       "force") + ". One packing of stones was computed.")
+            f"With the wedge, {REACHED:.0%} of this change is reached {now.width:.2g} m behind the "
+            f"structure instead of {other.width:.2g} m: {judged['width']}. The steepest change of "
+            f"this level between two sleepers is {1e3 * now.steepest:.2g} mm/m "
+            f"{place(now.steepest_x, now.steepest_behind)}, instead of {1e3 * other.steepest:.2g} "
+            f"mm/m {place(other.steepest_x, other.steepest_behind)} "
+            f"({now.steepest / other.steepest - 1:+.0%}): {judged['steepest']}. The largest wheel "
+            f"force in the transition is {1e-3 * now.force:.1f} kN "
+            f"{place(now.force_x, now.force_behind)}, instead of {1e-3 * other.force:.1f} kN "
+            f"{place(other.force_x, other.force_behind)}: {judged['force']}. "
+            f"{cause_of_forces(trains, changes)} One packing of stones was computed.")
+
+
+def place(x, behind):
+    return f"at x = {x:.2f} m, {behind:.2f} m behind the structure"
+
+
+def cause_of_forces(trains, changes):
+    """A sentence: whether wheel forces in the transition are clearly larger than elsewhere."""
+    larger = [train.name for train, change in zip(trains, changes)
+              if change.force > change.force_plain and Difference(
+                  change.force, change.force_plain, change.force_plain - train.mean_force(),
+                  "kN").clear]
+
+    def both(field):
+        return " and ".join(f"{1e-3 * getattr(change, field):.1f}" for change in changes)
+    elsewhere = (f"forces on plain track, up to {both('force_plain')} kN; on the structure they "
+                 f"reach {both('force_structure')} kN")
+    if larger:
+        return f"{' and '.join(larger).capitalize()}, it is clearly larger than {elsewhere}."
+    return ("It is not clearly larger than " + elsewhere +
+            ": it belongs to the ripple over the whole bed.")
 
 
 def numbers(folder):
     """Name -> number of one run, those of its column in transition.txt."""
     train = train_of(folder)
     changes = changes_of([train])
-    found = {label.strip(): getattr(changes[0], field) * factor
+    found = {label: getattr(changes[0], field) * factor
              for label, field, factor in (ROWS if changes else ())}
     return found | {label: of(train) for label, of in OF_TRAINS}
 
@@ -313,170 +371,24 @@ def curves(trains):
     return found
 
 
-def mark_judged(panel, trains, changes):
-    """The two levels, and where most of the change has occurred."""
-    for train, change, style in zip(trains, changes, STYLES):
-        edge = measures.edge_of_structure(train.run)
-        at = edge + measures.direction(train.run, edge) * change.width
-        goal = change.structure + measures.REACHED * (change.plain - change.structure)
-        panel.plot(at, 1e3 * goal, marker="D", ms=8, mfc="white", mew=1.8, color=style["color"],
-                   zorder=5, ls="", label=f"{measures.REACHED:.0%} of the change, {train.name}")
-
-
-def compare(trains, changes, sentence):
-    """Three panels along the track, all designs in each."""
-    figure, (force, level, settled) = plt.subplots(
-        3, 1, figsize=(10, 9.6), sharex=True, gridspec_kw={"height_ratios": (1, 1.4, 0.8)})
-    for train, style in zip(trains, STYLES):
-        x = train.run.sleepers_x
-        force.plot(*(value * factor for value, factor in zip(train.largest_force(), (1, 1e-3))),
-                   lw=1.3, label=train.name, **style)
-        level.plot(x, 1e3 * train.rail_down(), lw=2, label=f"rail, {train.name}", **style)
-        level.plot(x, 1e3 * train.sleeper_down(), lw=1, marker="o", ms=3,
-                   label=f"sleepers, {train.name}", **style)
-        settled.plot(x, 1e3 * train.settlement(), lw=1.2, marker="s", ms=3, label=train.name,
-                     **style)
-    mean = 1e-3 * trains[0].mean_force()
-    force.axhline(mean, color="0.3", lw=0.8, label=f"mean over the bed, {mean:.1f}")
-    if changes:
-        mark_judged(level, trains, changes)
-    level.invert_yaxis()
-    settled.invert_yaxis()
-    force.set_ylabel("largest wheel force\nof all axles, kN")
-    level.set_ylabel("lowest level under the train,\nmm down")
-    settled.set_ylabel("settlement into\nthe bed, mm")
-    settled.set_xlabel("x along the track, m")
-    force.set_title(model_drawing.heading(trains[0].run), fontsize=11)
-    for panel in (force, level, settled):
-        model_drawing.shade_blocks(panel, trains[0].run, names=panel is level)
-        panel.grid(alpha=0.3)
-        panel.legend(fontsize=8, ncols=2)
-    text = textwrap.fill(sentence, WRAP)
-    figure.text(0.02, 0.03, text, fontsize=10, va="bottom")
-    for _ in range(2):  # the first may change the ticks, whose labels have other widths
-        figure.tight_layout(rect=(0, 0.04 + 0.019 * (text.count("\n") + 1), 1, 1))
-    return figure
-
-
-def instants(train, folder):
-    """(row of the passage, file of contacts) of each field file within the passage, from the first
-    to the last at which a wheel is shown."""
-    low, high = model_drawing.ends_of(train.run)
-    found = []
-    for time, file in read.series(folder, "contacts"):
-        row = int(np.argmin(np.abs(train.passing.time - time)))
-        if abs(train.passing.time[row] - time) <= 2 * np.median(np.diff(train.passing.time)):
-            found.append((row, file))
-    shown = [k for k, (row, _) in enumerate(found)
-             if np.any((train.passing.x[row] > low) & (train.passing.x[row] < high))]
-    return found[shown[0]:shown[-1] + 1] if shown else []
-
-
-def draw_model(train, folder):
-    """The model at the instant of the field files when the largest contact force is greatest, and
-    the bed below the axles enlarged."""
-    shape = model_drawing.shape_of(train.run, model_drawing.CUT)
-    figure = plt.figure(figsize=(13, 12.2 * shape + 3.25))
-    size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)
-    panel = figure.add_axes(np.array([0.6, 2.9, 12.2, 12.2 * shape]) / size)
-    close = figure.add_axes(np.array([0.6, 0.6, 12.2, 1.7]) / size)
-    scenes = [model_drawing.Scene(panel, train.run, model_drawing.CUT),
-              model_drawing.Scene(close, train.run, model_drawing.CUT)]
-    forces = [(model_drawing.contacts(file), row) for row, file in instants(train, folder)]
-    if forces:
-        chains, row = max(forces, key=lambda each: each[0].force.max(initial=0))
-        largest = chains.force.max(initial=0)
-        for scene in scenes:
-            scene.set_chains(chains, largest)
-        scenes[0].explain_chains(largest)
-        middle = chains.lines[np.argmax(chains.force)][:, 0].mean()
-    else:
-        on_bed = np.where(train.passing.on_bed()[..., None], train.passing.force, np.nan)
-        row = int(np.nanargmax(np.nanmax(on_bed, axis=(1, 2), initial=-1)))
-        middle = float(np.mean(train.run.sleepers_x))
-        panel.text(0.99, 0.97, "no contact forces: no field files within the passage", ha="right",
-                   va="top", transform=panel.transAxes, fontsize=9, zorder=10)
-    for scene in scenes:
-        scene.set_train(train.passing.x[row])
-    low, high = model_drawing.close_up(train.run)
-    close.set_ylim(low, high)
-    half = 0.5 * (high - low) * 12.2 / 1.7
-    close.set_xlim(middle - half, middle + half)
-    close.set_xlabel("x along the track, m")
-    panel.set_xlabel("")
-    panel.set_title(model_drawing.heading(train.run), fontsize=11)
-    panel.indicate_inset((middle - half, low, 2 * half, high - low), edgecolor="k", lw=1)
-    return figure
-
-
-def film(trains, folder, origin):
-    """Frames of the first run, with the level of the rail of all designs below when their first
-    axles are where that of the first run is; thin: the lowest level up to then."""
-    first = trains[0]
-    # The upper panel has the shape of its contents, so that both have the same axis along x.
-    long, left = 11.2, 0.7  # inches
-    high = long * model_drawing.shape_of(first.run, model_drawing.CUT)
-    figure = plt.figure(figsize=(long + 0.9, high + 3.6))
-    size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)
-    panel = figure.add_axes(np.array([left, 3.2, long, high]) / size)
-    level = figure.add_axes(np.array([left, 0.6, long, 2.3]) / size, sharex=panel)
-    scene = model_drawing.Scene(panel, first.run, model_drawing.CUT)
-    panel.set(title=model_drawing.heading(first.run), xlabel="")
-    model_drawing.shade_blocks(level, first.run, names=False)
-    lowest = max(1e3 * train.rail_down().max() for train in trains)
-    level.set(ylabel="level of the rail, mm down", xlabel="x along the track, m",
-              ylim=(1.1 * lowest, -0.2 * lowest))
-    level.grid(alpha=0.3)
-    lines = [level.plot([], [], lw=2, label=train.name, **style)[0]
-             for train, style in zip(trains, STYLES)]
-    deepest = [level.plot([], [], lw=0.8, **style)[0] for style in STYLES[:len(trains)]]
-    level.legend(fontsize=8, loc="lower right")
-    write.state_origin(figure, origin)
-    clock = panel.text(0.01, 0.96, "", transform=panel.transAxes, va="top", fontsize=10)
-    figure.canvas.draw()
-    still = figure.canvas.copy_from_bbox(figure.bbox)
-    shots = [(row, model_drawing.contacts(file)) for row, file in instants(first, folder)]
-    largest = max(chains.force.max(initial=0) for _, chains in shots)
-    begin, frames = first.passing.time[0], []
-    for row, chains in shots:
-        figure.canvas.restore_region(still)
-        moving = [scene.set_chains(chains, largest), *scene.set_train(first.passing.x[row])]
-        clock.set_text(f"{first.passing.time[row] - begin:.2f} s after the train began")
-        for train, line, lower in zip(trains, lines, deepest):
-            at = int(np.nanargmin(np.abs(train.passing.x[:, 0] - first.passing.x[row, 0]))) \
-                if np.isfinite(first.passing.x[row, 0]) else \
-                min(row, len(train.passing.time) - 1)
-            down = 1e3 * (train.passing.rail[0] - train.passing.rail)
-            line.set_data(train.run.sleepers_x, down[at])
-            lower.set_data(train.run.sleepers_x, down[:at + 1].max(axis=0))
-        for artist in (*moving, clock, *deepest, *lines):
-            artist.axes.draw_artist(artist)
-        frames.append(Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert(
-            "P", palette=Image.Palette.ADAPTIVE, colors=255))
-    plt.close(figure)
-    file = io.BytesIO()
-    frames[0].save(file, format="GIF", save_all=True, append_images=frames[1:], loop=0,
-                   duration=FRAME_MS)
-    return file.getvalue()
-
-
 def draw_into(results, folder):
     """Pictures and tables of one run, or of two compared; `results`: their folders."""
     trains = named([train_of(path) for path in results])
     changes = changes_of(trains)
     sentence = verdict(trains, changes)
-    folder.picture("transition", compare(trains, changes, sentence))
-    folder.picture("model", draw_model(trains[0], results[0]), write.origin_of(results[:1]))
+    folder.picture("transition", transition_figures.compare(trains, changes, sentence))
+    folder.picture("model", transition_figures.draw_model(trains[0], results[0]),
+                   write.origin_of(results[:1]))
     for name, text in curves(trains).items():
         folder.file(name, text)
-    folder.table("transition.txt",
-                 table(trains, changes) + "\n" + textwrap.fill(sentence, WRAP) + "\n")
+    below = textwrap.fill(sentence, transition_figures.WRAP)
+    folder.table("transition.txt", f"{table(trains, changes)}\n{below}\n")
 
 
 def film_of(results, origin):
     """Bytes of a GIF file: film() of runs given by their folders."""
     trains = named([train_of(path) for path in results])
-    if not instants(trains[0], results[0]):
+    if not transition_figures.instants(trains[0], results[0]):
         raise read.Unreadable(f"{trains[0].run.name} has no field files within the passage; set "
                               "output.fields and output.fields_interval")
-    return film(trains, results[0], origin)
+    return transition_figures.film(trains, results[0], origin)

@@ -9,7 +9,7 @@ import pathlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measured, read, signals, track_figures, write
+from trackbed_post import measured, panels, read, signals, track_figures, write
 
 LEAST_ROWS = 32
 STYLES = ({"color": "C0", "ls": "-"}, {"color": "C1", "ls": "--"})
@@ -64,7 +64,11 @@ def computed(folder: pathlib.Path | str, quantity: str, place: int) -> measured.
         raise read.Unreadable(f"the {len(time)} rows of {quantity} are unevenly spaced; give an "
                               "output.history_interval that is a multiple of the time step or "
                               "window")
-    return measured.Signal(f"{pathlib.Path(folder).name}, {quantity}, place {place}", time,
+    where = f"place {place}"
+    if quantity.startswith("wheel/"):
+        x = every["history/wheel/x"].values
+        where = panels.axle(place, panels.on_two_rails(x.reshape(len(x), -1)))
+    return measured.Signal(f"{pathlib.Path(folder).name}, {quantity}, {where}", time,
                            values[:, place], unit, ())
 
 

@@ -13,10 +13,12 @@ axles = {axles}
 spacing = 0.6
 [[ground.block]]
 name = "structure"
+young = 30e9
 present = true
 outline = [0.0, 0.0, {edge}, 0.0, {edge}, -2.0, 0.0, -2.0]
 [[ground.block]]
 name = "wedge"
+young = 500e6
 present = {wedge}
 outline = [{edge}, 0.0, 6.0, 0.0, {edge}, -2.0]
 [[stage]]

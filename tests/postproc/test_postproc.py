@@ -9,7 +9,8 @@ import h5py
 import made
 import numpy as np
 import pytest
-from trackbed_post import bed_on_ground, measures, read, signals
+from trackbed_post import bed_on_ground, frequencies, ground_blocks, measures, read, signals
+from trackbed_post.ground_transition import table, transition
 
 LOW_PASS_RIPPLE = 1e-3    # allowed loss of a 10 Hz sine below 100 Hz: (10/100)^8 is far less
 LOW_PASS_LEAK = 1e-3      # allowed remainder of 300 Hz: 1/(1 + 3^8) = 1.5e-4, without ends
@@ -119,12 +120,12 @@ def test_run_stopped_before_its_passage_is_reported(tmp_path):
 
 def test_model_without_ground_or_structure_is_reported(runs, tmp_path):
     bare = read.results(made.write(tmp_path / "bare", ground=False))
-    assert "no transition to measure: bare has no ground" in measures.table([bare])
+    assert "no transition to measure: bare has no ground" in table([bare])
     plain = dataclasses.replace(runs[0], deck={**runs[0].deck, "ground": {}})
-    assert ('wedge: the ground needs a block named "structure" (present = true)'
-            in measures.table([plain]))
+    assert ("wedge: the ground needs a structure, a block with young of at least 10 GPa"
+            in table([plain]))
     idle = dataclasses.replace(runs[0], deck={"stage": [{"name": "load", "kind": "load"}]})
-    assert "contains no passage: the deck has no stage of kind passage" in measures.table([idle])
+    assert "contains no passage: the deck has no stage of kind passage" in table([idle])
 
 
 def test_read_checkpoint_through_latest(tmp_path):
@@ -192,6 +193,39 @@ def test_a_train_has_no_marks_of_the_load_section(runs):
     assert measures.loading_frequencies(dataclasses.replace(runs[0], deck=deck)) == {}
 
 
+WAGONS = np.array([0, 1.8, 9, 10.8, 14, 15.8, 23, 24.8])  # two of two bogies, m behind the first
+
+
+def with_train(run, axles, vehicles, rails=1, **train):
+    """The run with axles at made.SPEED, nan before x = -5 m and beyond 20 m."""
+    stages = [dict(stage, train=stage["kind"] == "passage") for stage in run.deck["stage"]]
+    x = made.SPEED * run.time[:, None] - np.repeat(axles, rails)
+    train = {"speed": made.SPEED, "vehicles": vehicles * ["wagon"]} | train
+    return dataclasses.replace(run, deck={**run.deck, "stage": stages, "train": train},
+                               wheel_x=np.where((x > -5) & (x < 20), x, np.nan))
+
+
+@pytest.mark.parametrize("rails", [1, 2])
+def test_passing_frequencies_of_a_train(runs, rails):
+    found = frequencies.of_passage(with_train(runs[0], WAGONS, 2, rails))
+    assert found == pytest.approx({"v/L_v": 20 / 14, "v/L_c": 20 / 9, "v/L_w": 20 / 1.8,
+                                   "v/s": 20 / 0.6})
+    found = frequencies.of_passage(with_train(runs[0], WAGONS[:4], 1, rails))
+    assert set(found) == {"v/L_c", "v/L_w", "v/s"}
+    two_axles = frequencies.of_passage(with_train(runs[0], np.array([0, 9.0]), 1, rails))
+    assert two_axles == pytest.approx({"v/L_w": 20 / 9, "v/s": 20 / 0.6})
+    assert frequencies.of_passage(with_train(runs[0], WAGONS, 2, speeds=[20, 10])) == {}
+
+
+def test_the_axis_of_spectra_reaches_beyond_the_highest_passing_frequency(runs):
+    for run in (with_train(runs[0], WAGONS, 2), runs[0]):
+        panel = bed_on_ground.spectra([run]).axes[0]
+        assert panel.lines[0].get_xdata()[-1] == pytest.approx(1.5 * 20 / 0.6, abs=2 * LINE)
+        assert " v/s" in [text.get_text() for text in panel.texts]
+    assert "v/s = 33.33 Hz" in bed_on_ground.table_of_peaks(runs[:1])
+    bed_on_ground.plt.close("all")
+
+
 def test_seat_load_spectrum_shows_bogies_and_wheels(runs):
     marks = measures.loading_frequencies(runs[0])
     assert marks == pytest.approx({"v/L_c": 2.5, "v/L_w": 8.0})
@@ -212,7 +246,7 @@ def test_seat_load_spectrum_shows_bogies_and_wheels(runs):
 
 
 def test_transition_recovers_the_known_values(runs):
-    wedge, none = (measures.transition(run) for run in runs)
+    wedge, none = (transition(run) for run in runs)
     assert wedge.edge == made.EDGE
     for found in (wedge, none):
         assert found.structure_displacement == pytest.approx(0.02e-3)
@@ -240,34 +274,34 @@ def with_ground(run, **values):
 def test_steepest_slope_is_found_at_the_wedges_end(runs):
     x = runs[0].ground_x
     steep = -1e-3 * np.clip((x - 5.8) / 0.4, 0, 1)  # the whole 1 mm around x = 6
-    found = measures.transition(with_ground(runs[0], displacement_min=steep))
+    found = transition(with_ground(runs[0], displacement_min=steep))
     assert found.steepest_x == pytest.approx(6.0, abs=0.3)
     # Smoothing over 0.6 m spreads 1 mm in 0.4 m over 1 m: 1/0.6 to 1/0.7 mm/m.
     assert 1.3e-3 < found.steepest < 1.7e-3 and found.edge_slope == 0
 
 
 def test_far_displacement_is_that_of_plain_track_only(runs):
-    # Right behind the wedge (6 m) the ground settles by 5 mm; plain track begins at 6.6 m.
+    # Right behind the wedge (6 m) the ground settles by 5 mm; plain track begins at 7.2 m.
     x, deep = runs[0].ground_x, made.ground_displacement(runs[0].ground_x, True)
     deep = np.where((x > 5.9) & (x < 6.55), -5e-3, deep)
     for run in runs:  # a wedge that is not present has the same extent
-        assert measures.wedge_length(run) == pytest.approx(4.0)
-        found = measures.transition(with_ground(run, displacement_min=deep))
+        assert ground_blocks.wedge_length(run) == pytest.approx(4.0)
+        found = transition(with_ground(run, displacement_min=deep))
         assert found.far_displacement == pytest.approx(2e-3, rel=0.02)
 
 
-@pytest.mark.parametrize("end, plain", [(7.75, True), (7.85, False)])  # 9 - 1.2 = 7.8
+@pytest.mark.parametrize("end, plain", [(7.15, True), (7.25, False)])  # 9 - 1.8 = 7.2
 def test_missing_plain_track_is_reported(runs, end, plain):
     blocks = [dict(block) for block in runs[0].deck["ground"]["block"]]
     blocks[1]["outline"] = [made.EDGE, 0.0, end, 0.0, made.EDGE, -2.0]
     short = [dataclasses.replace(run, deck={**run.deck, "ground": {"block": blocks}})
              for run in runs]
-    assert np.isfinite(measures.transition(short[0]).far_displacement) == plain
-    text = measures.table(short)
+    assert np.isfinite(transition(short[0]).far_displacement) == plain
+    text = table(short)
     assert ("this model has no plain track beyond the wedge" in text) != plain
     assert ("width of the transition: " in text) == plain
     # The wedge of one run determines where both are measured.
-    assert np.isfinite(measures.transition(runs[0], end - made.EDGE).far_displacement) == plain
+    assert np.isfinite(transition(runs[0], end - made.EDGE).far_displacement) == plain
 
 
 def test_stress_jump_is_of_means_not_of_single_nodes(runs):
@@ -275,7 +309,7 @@ def test_stress_jump_is_of_means_not_of_single_nodes(runs):
     edge = np.argmin(np.abs(runs[0].ground_x - made.EDGE))
     stress[edge] -= 1e6  # a stone at the node of the edge, which belongs to neither side
     stress[edge - 1] -= 70e3
-    found = measures.transition(with_ground(runs[0], sigma_z_min=stress))
+    found = transition(with_ground(runs[0], sigma_z_min=stress))
     assert found.stress_jump == pytest.approx(20e3 + 70e3 / 6)  # 6 nodes in 0.6 m
 
 
@@ -294,12 +328,12 @@ def test_residual_displacement_of_sleepers_is_reported(runs):
     sunk[-1, 5] = sunk[runs[0].passage()][0, 5] + 0.9e-3
     bad = dataclasses.replace(runs[0], sleeper={
         **runs[0].sleeper, "displacement": read.Quantity(sunk, "m", "-")})
-    assert measures.transition(bad).sleeper_residual == pytest.approx(2e-3)
+    assert transition(bad).sleeper_residual == pytest.approx(2e-3)
     lines = measures.warnings(bad)
     assert len(lines) == 1 and "x = 2.70 m has a residual displacement of 2.00 mm" in lines[0]
-    assert lines[0] in measures.table([bad]) and "warning" not in measures.table(runs)
+    assert lines[0] in table([bad]) and "warning" not in table(runs)
     for both in ([bad, runs[1]], [runs[1], bad]):
-        text = measures.table(both)
+        text = table(both)
         assert text.index(lines[0]) < text.index("may have other causes than the wedge") \
             < text.index("expected of a wedge" if both[0] is bad else "relative to the second")
 
@@ -324,8 +358,8 @@ def check_moved_ground(run, down, nodes, word):
 def test_different_stages_are_reported(runs):
     stages = [{**stage, "duration": 7} for stage in runs[1].deck["stage"]]
     other = dataclasses.replace(runs[1], deck={**runs[1].deck, "stage": stages})
-    assert "the two decks differ in their stages" in measures.table([runs[0], other])
-    assert "differ in their stages" not in measures.table(runs)
+    assert "the two decks differ in their stages" in table([runs[0], other])
+    assert "differ in their stages" not in table(runs)
 
 
 def test_structure_at_the_right_end_gives_the_same(runs):
@@ -337,7 +371,7 @@ def test_structure_at_the_right_end_gives_the_same(runs):
                             for i, value in enumerate(block["outline"])]
     mirrored = dataclasses.replace(run, ground_x=last - run.ground_x,
                                    deck={**run.deck, "ground": {"block": blocks}})
-    left, right = measures.transition(run), measures.transition(mirrored)
+    left, right = transition(run), transition(mirrored)
     assert right.edge == pytest.approx(last - made.EDGE)
     assert right.steepest_x == pytest.approx(last - left.steepest_x)
     for field in {each.name for each in dataclasses.fields(left)} - {"edge", "steepest_x"}:
@@ -345,7 +379,7 @@ def test_structure_at_the_right_end_gives_the_same(runs):
 
 
 def test_table_distinguishes_the_wedge_from_its_opposite(runs):
-    text = measures.table(runs)
+    text = table(runs)
     assert "NOT" not in text and text.count("as expected of a wedge") == 4
     assert "so the runs are comparable" in text
     assert "-71.4%" in text  # jump 20 against 70 kPa
@@ -353,10 +387,10 @@ def test_table_distinguishes_the_wedge_from_its_opposite(runs):
     worse = [with_ground(run, displacement_min=made.ground_displacement(x, wedge),
                          sigma_z_min=made.ground_stress(x, wedge))
              for run, wedge in zip(runs, (False, True))]
-    assert measures.table(worse).count("NOT as expected of a wedge") == 4
+    assert table(worse).count("NOT as expected of a wedge") == 4
     # The run without wedge first: a wedge cannot be judged.
-    assert "expected of a wedge" not in measures.table(runs[::-1])
-    assert "expected of a wedge" not in measures.table([runs[0], with_ground(
+    assert "expected of a wedge" not in table(runs[::-1])
+    assert "expected of a wedge" not in table([runs[0], with_ground(
         runs[0], displacement_min=2 * made.ground_displacement(runs[0].ground_x, True))])
 
 
@@ -364,15 +398,15 @@ def test_small_changes_have_no_verdict(runs):
     x = runs[0].ground_x
     near = with_ground(runs[0], displacement_min=1.05 * made.ground_displacement(x, True),
                        sigma_z_min=made.ground_stress(x, True) * 1.05)
-    text = measures.table([near, runs[0]])
+    text = table([near, runs[0]])
     assert text.count("no clear effect (within 10%)") == 4 and "expected of a wedge" not in text
     far = with_ground(runs[0], displacement_min=1.2 * made.ground_displacement(x, True))
-    text = measures.table([far, runs[0]])
+    text = table([far, runs[0]])
     assert "although neither run has a wedge there: the runs are not comparable" in text
     assert "no verdict, since the plain tracks differ" in text
-    assert "no verdict" not in measures.table(runs)
+    assert "no verdict" not in table(runs)
 
 
 def test_absent_wedge_is_not_marked(runs):
-    assert set(measures.blocks(runs[0])) == {"structure", "wedge"}
-    assert set(measures.blocks(runs[1])) == {"structure"}
+    assert [one.label for one in ground_blocks.stretches(runs[0])] == ["structure", "wedge"]
+    assert [one.label for one in ground_blocks.stretches(runs[1])] == ["structure"]

@@ -77,7 +77,7 @@ def test_the_first_wheel_is_one_that_rolls():
     path = track_measures.loaded_rail(x, height[:, 1], 0, 20)[1]
     assert d1 == pytest.approx(1e3 * path.std()) and d1 > 0.1
     figure = track_figures.draw(run, 20, {})
-    assert [line.get_label() for line in figure.axes[0].lines] == ["wheel 2"]
+    assert [line.get_label() for line in figure.axes[0].lines] == ["axle 2"]
     plt.close(figure)
     run["history/wheel/height"] = read.Quantity(0 * height, "m", "made for a test")
     assert not any("loaded rail" in name for name in track_figures.numbers(run, 20))

@@ -4,7 +4,7 @@ import types
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import read, train_figures
+from trackbed_post import ground_blocks, read, train_figures
 
 
 def made(trains=1):
@@ -93,7 +93,7 @@ def test_two_rails_are_distinguished():
     down = "largest downward sleeper displacement"
     assert found[f"axle 1, {down}, mean of sleepers"][0] == pytest.approx(1.1)
     assert found["left minus right seat height of a sleeper, largest"][0] == pytest.approx(3)
-    figure = train_figures.draw(passing, {})
+    figure = train_figures.draw(passing, [])
     labels = [line.get_label() for line in figure.axes[0].lines]
     assert labels == ["axle 1, left", "axle 1, right", "axle 2, left", "axle 2, right"]
     plt.close(figure)
@@ -106,7 +106,9 @@ def test_of_several_trains_the_last_counts():
 
 
 def test_panels():
-    figure = train_figures.draw(train_figures.Passing(*made()), {"structure": (0.0, 4.0)})
+    stiff = ground_blocks.Stretch("bridge", True, 0.0, 4.0)
+    figure = train_figures.draw(train_figures.Passing(*made()), [stiff])
+    assert "bridge" in [text.get_text() for text in figure.axes[1].texts]
     assert len(figure.axes) == 3
     plt.close(figure)
 

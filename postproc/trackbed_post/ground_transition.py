@@ -1,0 +1,234 @@
+"""Measures of the ground in a transition zone: response on the structure, on plain track, and the
+change between, of one run or of two compared, as text.
+
+Everything is computed from the envelopes of the passage (relative to its begin) and from the deck
+stored in the result file.
+"""
+import collections.abc
+import dataclasses
+
+import numpy as np
+
+from trackbed_post import ground_blocks, judgement, measures, read
+from trackbed_post.ground_blocks import TINY
+from trackbed_post.judgement import CLEAR, Difference
+from trackbed_post.measures import NOWHERE
+
+Runs = collections.abc.Sequence[read.Results]
+REACHED = 0.9    # the transition ends where this fraction of the change is reached
+
+
+@dataclasses.dataclass(frozen=True)
+class Transition:
+    """Displacements are downwards, stresses are compression. nan: the model has no such place."""
+    edge: float                     # m, end of the structure
+    structure_displacement: float   # m, largest on the structure
+    far_displacement: float         # m, median over the plain track beyond the wedge
+    width: float                    # m, from the edge to REACHED of the change
+    steepest: float                 # m/m, ground displacement smoothed over one spacing, whole line
+    steepest_x: float               # m, its x
+    edge_slope: float               # m/m, the same within one spacing of the edge
+    slope_scatter: float            # m/m, the same on plain track
+    stress_structure: float         # Pa, mean over one sleeper spacing before the edge
+    stress_beyond: float            # Pa, the same behind the edge
+    stress_scatter: float           # Pa, largest difference of these means on plain track
+    sleeper_displacement: float     # m, largest of all sleepers
+    sleeper_residual: float         # m, largest magnitude after the passage
+
+    @property
+    def stress_jump(self) -> float:
+        """Magnitude of the change of stress from before to behind the edge, Pa."""
+        return abs(self.stress_structure - self.stress_beyond)
+
+    @property
+    def stress_level(self) -> float:
+        """Mean stress around the edge, Pa: the reference of a jump."""
+        return (self.stress_structure + self.stress_beyond) / 2
+
+
+def _orderly(results: read.Results, edge: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Distance from the edge into the soft ground, m, with displacement and compression."""
+    distance = ground_blocks.direction(results, edge) * (results.ground_x - edge)
+    order = np.argsort(distance)
+    down = -results.ground_envelope["displacement_min"].values
+    compression = -results.ground_envelope["sigma_z_min"].values
+    return distance[order], down[order], compression[order]
+
+
+def _width(distance: np.ndarray, down: np.ndarray, start: float, end: float) -> float:
+    """Where `down` first reaches REACHED of the change from start to end; nan if never."""
+    reached = np.flatnonzero((distance > TINY) & ((down - start) * np.sign(end - start)
+                                          >= REACHED * abs(end - start)))
+    return float(distance[reached[0]]) if len(reached) and np.isfinite(end) else NOWHERE
+
+
+def _plain(distance: np.ndarray, begin: float, end: float, reach: float) -> np.ndarray:
+    """Which of the distances are on plain track: none if it is shorter than a sleeper spacing."""
+    if end - begin < reach - TINY:
+        return np.zeros(len(distance), dtype=bool)
+    return (distance >= begin - TINY) & (distance <= end + TINY)
+
+
+def _slopes(distance: np.ndarray, smooth: np.ndarray, plain: np.ndarray,
+            reach: float) -> tuple[float, float, float, float]:
+    """Steepest slope and its position, then the steepest within one spacing of the edge and that on
+    plain track. The ends, where the mean over a spacing is truncated, are omitted."""
+    slope = np.abs(np.gradient(smooth, distance))
+    whole = ((distance >= distance[0] + reach / 2 - TINY)
+             & (distance <= distance[-1] - reach / 2 + TINY))
+    where = np.flatnonzero(whole)[np.argmax(slope[whole])]
+    at_edge = np.max(slope[np.abs(distance) <= reach + TINY])
+    return (float(slope[where]), float(distance[where]), float(at_edge),
+            float(np.max(slope[plain & whole])) if plain.any() else NOWHERE)
+
+
+def _beside(distance: np.ndarray, values: np.ndarray, at: float,
+            reach: float) -> tuple[float, float]:
+    """Means of the values over a sleeper spacing before and behind a place: the same number of
+    nodes on both sides; the node at the place belongs to neither."""
+    away = distance - at
+    before = (away < -TINY) & (away >= -reach - TINY)
+    behind = (away > TINY) & (away <= reach + TINY)
+    return float(np.mean(values[before])), float(np.mean(values[behind]))
+
+
+def _jumps(distance: np.ndarray, values: np.ndarray, plain: np.ndarray, reach: float) -> float:
+    """Largest difference of these means at any place of plain track; nan where it is too short."""
+    there = distance[plain]
+    jumps = [abs(before - behind) for at in there
+             if there[0] + reach <= at + TINY and at - TINY <= there[-1] - reach
+             for before, behind in [_beside(distance, values, at, reach)]]
+    return max(jumps, default=NOWHERE)
+
+
+def why_no_transition(results: read.Results) -> str:
+    """Why a run has no transition; empty if it has one."""
+    return measures.why_no_envelope(results) or (
+        "" if ground_blocks.edge_of_structure(results) is not None else
+        f"{results.name}: the ground needs a structure, a block with young of at least "
+        f"{ground_blocks.STRUCTURE / 1e9:g} GPa (present = true); at least one of its ends along x "
+        "must lie inside the ground")
+
+
+def transition(results: read.Results, wedge: float = 0.0) -> Transition | None:
+    """None without a transition (`why_no_transition`). `wedge`: least distance from the edge at
+    which plain track begins, m (that of another run's wedge)."""
+    edge = ground_blocks.edge_of_structure(results)
+    if edge is None or why_no_transition(results):
+        return None
+    distance, down, compression = _orderly(results, edge)
+    reach = measures.spacing(results)
+    smooth = measures.smoothed(distance, down, reach)
+    start = float(np.max(down[distance <= TINY]))
+    wedge = max(wedge, ground_blocks.wedge_length(results))
+    plain = _plain(distance, *ground_blocks.plain_track(results, edge, wedge, reach), reach)
+    end = float(np.median(down[plain])) if plain.any() else NOWHERE
+    steepest, where, at_edge, on_plain = _slopes(distance, smooth, plain, reach)
+    before, behind = _beside(distance, compression, 0.0, reach)
+    sleeper, residual = results.sleeper_envelope.get("displacement_min"), \
+        measures.residual_displacement(results)
+    return Transition(
+        edge=edge, structure_displacement=start, far_displacement=end,
+        width=_width(distance, smooth, start, end),
+        steepest=steepest, steepest_x=edge + ground_blocks.direction(results, edge) * where,
+        edge_slope=at_edge, slope_scatter=on_plain, stress_structure=before, stress_beyond=behind,
+        stress_scatter=_jumps(distance, compression, plain, reach),
+        sleeper_displacement=float(np.max(-sleeper.values)) if sleeper else NOWHERE,
+        sleeper_residual=float(np.max(np.abs(residual))) if len(residual) else NOWHERE)
+
+
+ROWS = (  # label, unit, field, factor
+    ("largest ground displacement on the structure", "mm", "structure_displacement", 1e3),
+    ("median ground displacement on plain track", "mm", "far_displacement", 1e3),
+    (f"width of the transition ({REACHED:.0%} of the change)", "m", "width", 1),
+    ("steepest slope of the ground displacement", "mm/m", "steepest", 1e3),
+    ("  which is at x =", "m", "steepest_x", 1),
+    ("steepest slope within a spacing of the edge", "mm/m", "edge_slope", 1e3),
+    ("steepest slope on plain track (scatter)", "mm/m", "slope_scatter", 1e3),
+    ("mean stress, last sleeper spacing on structure", "kPa", "stress_structure", 1e-3),
+    ("mean stress, first sleeper spacing beyond it", "kPa", "stress_beyond", 1e-3),
+    ("stress jump at the edge, difference of these means", "kPa", "stress_jump", 1e-3),
+    ("largest such difference on plain track (scatter)", "kPa", "stress_scatter", 1e-3),
+    ("largest sleeper displacement in the passage", "mm", "sleeper_displacement", 1e3),
+    ("largest residual sleeper displacement after it", "mm", "sleeper_residual", 1e3),
+)
+
+
+NO_CHANGE = ("steepest_x", "slope_scatter", "stress_scatter")  # without a relative change
+
+
+def table(runs: Runs) -> str:
+    """Text of the results of one or two runs; with two also the change from the second to the
+    first, which is the effect of the wedge if only the first has one."""
+    wedge = max(ground_blocks.wedge_length(run) for run in runs)
+    found = [one for run in runs if (one := transition(run, wedge))]
+    if len(found) < len(runs):
+        reasons = "; ".join(filter(None, map(why_no_transition, runs)))
+        return f"no transition to measure: {reasons}\n" + "".join(
+            line + "\n" for run in runs for line in measures.warnings(run))
+    head = f"{'downwards and compression positive':<48}{'':>6}"
+    lines = [head + "".join(f"{run.name:>12}" for run in runs)
+             + (f"{'change':>10}" if len(runs) == 2 else "")]
+    for label, unit, field, factor in ROWS:
+        values = [getattr(numbers, field) * factor for numbers in found]
+        line = f"{label:<48}{unit:>6}" + "".join(
+            f"{value:12.4g}" if np.isfinite(value) else f"{'-':>12}" for value in values)
+        change = Difference(values[0], values[-1], 0, unit).change
+        if len(values) == 2 and field not in NO_CHANGE and np.isfinite(change):
+            line += f"{change:+10.1%}"
+        lines.append(line)
+    lines += ["", "stresses: added by the passage; without weight of the bed and static "
+              "preload"]
+    if not np.isfinite(found[0].far_displacement):
+        lines.append("this model has no plain track beyond the wedge: the width of the transition "
+                     "is not defined")
+    moved_stones = [line for run in runs for line in measures.warnings(run)]
+    lines += moved_stones
+    if len(found) == 2:
+        if runs[0].deck.get("stage") != runs[1].deck.get("stage"):
+            lines.append("warning: the two decks differ in their stages")
+        if moved_stones:
+            lines.append("warning: differences in the comparison below may have other causes than "
+                         "the wedge: see the warnings above")
+        lines += effect(found[0], found[1], measures.spacing(runs[0]),
+                        ground_blocks.differ_by_wedge(*runs))
+    return "\n".join(lines) + "\n"
+
+
+def differences(first: Transition, second: Transition, spacing: float) -> dict[str, Difference]:
+    """Name -> Difference of the quantities in which a wedge should show."""
+    def most(field: str) -> float:
+        return float(np.maximum(getattr(first, field), getattr(second, field)))
+
+    def of(field: str, scatter: float, unit: str, factor: float, wanted: int,
+           beside: str = judgement.PLAIN, reference: float = NOWHERE) -> Difference:
+        return Difference(getattr(first, field), getattr(second, field), scatter, unit, factor,
+                          wanted, beside, reference)
+    slopes = most("slope_scatter")
+    return {
+        "width of the transition": of("width", spacing, "m", 1, 1, "one sleeper spacing"),
+        "steepest slope of the ground, whole line": of("steepest", slopes, "mm/m", 1e3, -1),
+        "steepest slope of the ground at the edge": of("edge_slope", slopes, "mm/m", 1e3, -1),
+        # A jump may be near zero, so its change is relative to the stress itself.
+        "change of the stress jump relative to the mean stress at the edge": of(
+            "stress_jump", most("stress_scatter"), "kPa", 1e-3, -1,
+            reference=second.stress_level)}
+
+
+def effect(first: Transition, second: Transition, spacing: float, by_wedge: bool) -> list[str]:
+    """Messages on the differences between two runs; `by_wedge`: only the first has a wedge."""
+    lines = []
+    far = Difference(first.far_displacement, second.far_displacement, 0, "mm", 1e3).change
+    differs = abs(far) > CLEAR
+    if np.isfinite(far):
+        lines.append(f"ground displacement on plain track beyond the wedge: {far:+.0%}: " + (
+            f"differs by more than {CLEAR:.0%}, although neither run has a wedge there: the runs "
+            "are not comparable" if differs else
+            f"equal within {CLEAR:.0%}, so the runs are comparable"))
+    for what, found in differences(first, second, spacing).items():
+        if np.isfinite(found.change):
+            # The width refers to the plain track and is meaningless if that differs.
+            unclear = differs and found.beside != judgement.PLAIN
+            lines.append(f"{what}: {found.change:+.0%}: " + (
+                "no verdict, since the plain tracks differ" if unclear else found.words(by_wedge)))
+    return lines

@@ -1,0 +1,56 @@
+"""The judgement of a difference between two runs, the same for all quantities: is it clear beside
+the scatter of plain track, and is it as expected of a wedge?
+
+A bed of stones differs from sleeper to sleeper, also where nothing changes along the track. What a
+quantity varies by there is its scatter. Definitions: docs/postproc.md.
+"""
+import dataclasses
+import math
+
+CLEAR = 0.10  # a smaller relative difference is no clear effect
+NO_PAIR = "the first run must have all blocks of the second and at least one more (the wedge)"
+PLAIN = "the scatter on plain track"
+
+
+@dataclasses.dataclass(frozen=True)
+class Difference:
+    """Of a quantity of the first run from that of the second; `scatter` is the larger of both runs,
+    nan if they have no plain track."""
+    first: float
+    second: float
+    scatter: float
+    unit: str                  # of the texts
+    factor: float = 1.0        # from the quantity's unit to this one
+    wanted: int = 0            # sign of the difference that is expected of a wedge
+    beside: str = PLAIN        # what `scatter` is
+    reference: float = math.nan  # what the difference is relative to; by default the second value
+
+    @property
+    def change(self) -> float:
+        """Relative difference; nan if a value is missing or the reference is zero."""
+        reference = self.second if math.isnan(self.reference) else self.reference
+        return (self.first - self.second) / abs(reference) if reference else math.nan
+
+    @property
+    def larger_than_scatter(self) -> bool:
+        return abs(self.first - self.second) > self.scatter
+
+    @property
+    def clear(self) -> bool:
+        return abs(self.change) > CLEAR and self.larger_than_scatter
+
+    def words(self, by_wedge: bool) -> str:
+        """The verdict; `by_wedge`: the runs differ by a wedge in the first one only."""
+        limit = f"{self.beside}, {self.factor * self.scatter:.2g} {self.unit}"
+        if math.isnan(self.change):
+            return "no verdict: the change is not known"
+        if abs(self.change) <= CLEAR:
+            return f"no clear effect (within {CLEAR:.0%})"
+        if math.isnan(self.scatter):
+            return "no verdict: there is no plain track with whose scatter it could be compared"
+        if not self.larger_than_scatter:
+            return f"no clear effect (not larger than {limit})"
+        if not by_wedge:
+            return f"change relative to the second run; no verdict: {NO_PAIR}"
+        expected = "as" if (self.first - self.second) * self.wanted > 0 else "NOT as"
+        return f"{expected} expected of a wedge (larger than {limit})"

@@ -1,0 +1,34 @@
+"""What panels of several figures have in common: the sign of displacements, names of axles, legends
+that hide no curve."""
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.transforms import ScaledTranslation
+
+UP = "mm, up positive"  # of all displacements on axes
+BELOW_LABELS = 0.5      # inches, from a panel to what is below the labels of its x axis
+
+
+def on_two_rails(wheel_x: np.ndarray) -> bool:
+    """Whether both wheels of each axle are listed, of histories [time, wheel]."""
+    count = wheel_x.shape[1]
+    return count % 2 == 0 and count > 0 and np.array_equal(wheel_x[:, ::2], wheel_x[:, 1::2],
+                                                           equal_nan=True)
+
+
+def axle(wheel: int, two_rails: bool) -> str:
+    """Name of the axle of a wheel, which is counted from 0; axles are counted from 1."""
+    return f"axle {wheel // 2 + 1}, {('left', 'right')[wheel % 2]}" if two_rails \
+        else f"axle {wheel + 1}"
+
+
+def legend_above(panel: Axes, columns: int = 4, size: float = 8) -> None:
+    """A legend between the panel and what is above it."""
+    panel.legend(loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.2, ncols=columns,
+                 fontsize=size, frameon=False)
+
+
+def legend_below(panel: Axes, columns: int = 2, size: float = 8) -> None:
+    """A legend below the label of the panel's x axis, for panels with a title."""
+    down = ScaledTranslation(0, -BELOW_LABELS, panel.figure.dpi_scale_trans)
+    panel.legend(loc="upper center", bbox_to_anchor=(0.5, 0), ncols=columns, fontsize=size,
+                 frameon=False, borderaxespad=0, bbox_transform=panel.transAxes + down)

@@ -1,0 +1,203 @@
+"""Pictures and film of a train over a transition zone: of transition.Train objects, of one run or
+of two compared.
+"""
+import io
+import textwrap
+
+import matplotlib.pyplot as plt
+import numpy as np
+from PIL import Image
+
+from trackbed_post import ground_blocks, measures, model_drawing, panels, read, shades, write
+from trackbed_post.ground_transition import REACHED
+
+# Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
+STYLES = ({"color": "#0b559f", "ls": "-"}, {"color": "#d95f02", "ls": "--"})
+FRAME_MS = 120       # ms, each picture of the film is shown
+WRAP = 118           # characters of a line below transition.png
+
+
+def mark_judged(panel, trains, changes):
+    """The two levels, and where most of the change has occurred."""
+    for train, change, style in zip(trains, changes, STYLES):
+        edge = ground_blocks.edge_of_structure(train.run)
+        at = edge + ground_blocks.direction(train.run, edge) * change.width
+        goal = change.structure + REACHED * (change.plain - change.structure)
+        panel.plot(at, -1e3 * goal, marker="D", ms=8, mfc="white", mew=1.8, color=style["color"],
+                   zorder=5, ls="", label=f"{REACHED:.0%} of the change, {train.name}")
+
+
+def mark_places(force, level, trains, changes):
+    """Where the steepest change and the largest wheel force of the transition are."""
+    for number, (train, change, style) in enumerate(zip(trains, changes, STYLES)):
+        x, colour = train.run.sleepers_x, style["color"]
+        there = np.abs(x - change.steepest_x) <= measures.spacing(train.run) / 2 + measures.TINY
+        level.plot(x[there], -1e3 * train.rail_down()[there], lw=8, alpha=0.35, color=colour,
+                   solid_capstyle="butt", label=f"steepest change, {train.name}")
+        force.plot(change.force_x, 1e-3 * change.force, ls="", marker="os"[number], ms=9, mew=1.8,
+                   mfc="none", color=colour, label=f"largest in the transition, {train.name}")
+
+
+def bracket_zones(panel, train, zone):
+    """Brackets at the lower edge over the sleepers that are judged together."""
+    panel.margins(y=0.16)
+    across = panel.get_xaxis_transform()
+    half = measures.spacing(train.run) / 2
+    for words, part in (("on the structure", zone.structure), ("transition", zone.transition),
+                        ("plain track", zone.plain)):
+        x = train.run.sleepers_x[part]
+        low, high = x.min() - 0.8 * half, x.max() + 0.8 * half
+        panel.plot([low, low, high, high], [0.06, 0.03, 0.03, 0.06], color="0.2", lw=1.2,
+                   transform=across)
+        panel.text((low + high) / 2, 0.045, words, transform=across, fontsize=8, ha="center",
+                   va="bottom")
+
+
+def note_of(trains):
+    """What follows the names of blocks that only the first of two runs has."""
+    differ = len(trains) == 2 and ground_blocks.differ_by_wedge(*(train.run for train in trains))
+    return "\n(in the first run)" if differ else ""
+
+
+def compare(trains, changes, sentence):
+    """Three panels along the track, all designs in each."""
+    stretches = ground_blocks.stretches(trains[0].run)
+    figure, (force, level, settled) = plt.subplots(
+        3, 1, figsize=(10, 9.6), sharex=True, gridspec_kw={"height_ratios": (1, 1.4, 0.8)})
+    for train, style in zip(trains, STYLES):
+        x = train.run.sleepers_x
+        force.plot(*(value * factor for value, factor in zip(train.largest_force(), (1, 1e-3))),
+                   lw=1.3, label=train.name, **style)
+        level.plot(x, -1e3 * train.rail_down(), lw=2, label=f"rail, {train.name}", **style)
+        level.plot(x, -1e3 * train.sleeper_down(), lw=1, marker="o", ms=3,
+                   label=f"sleepers, {train.name}", **style)
+        settled.plot(x, -1e3 * train.settlement(), lw=1.2, marker="s", ms=3, label=train.name,
+                     **style)
+    mean = 1e-3 * trains[0].mean_force()
+    force.axhline(mean, color="0.3", lw=0.8, label=f"mean over the bed, {mean:.1f}")
+    if changes:
+        mark_judged(level, trains, changes)
+        mark_places(force, level, trains, changes)
+        bracket_zones(level, trains[0], changes[0].zone)
+    force.set_ylabel("largest wheel force\nof all axles, kN")
+    level.set_ylabel(f"lowest level under the train,\n{panels.UP}")
+    settled.set_ylabel(f"settlement into\nthe bed, {panels.UP}")
+    settled.set_xlabel("x along the track, m")
+    figure.suptitle(model_drawing.heading(trains[0].run), fontsize=11)
+    for panel in (force, level, settled):
+        shades.shade(panel, stretches)
+        panel.grid(alpha=0.3)
+        panels.legend_above(panel)
+    shades.name(level, stretches, note_of(trains))
+    text = textwrap.fill(sentence, WRAP)
+    below = 0.18 * (text.count("\n") + 1)  # inches
+    figure.set_figheight(10 + below)
+    figure.text(0.02, 0.03, text, fontsize=10, va="bottom")
+    for _ in range(2):  # the first may change the ticks, whose labels have other widths
+        figure.tight_layout(rect=(0, 0.04 + below / (10 + below), 1, 1))
+    return figure
+
+
+def instants(train, folder):
+    """(row of the passage, file of contacts) of each field file within the passage, from the first
+    to the last at which a wheel is shown."""
+    low, high = model_drawing.ends_of(train.run)
+    found = []
+    for time, file in read.series(folder, "contacts"):
+        row = int(np.argmin(np.abs(train.passing.time - time)))
+        if abs(train.passing.time[row] - time) <= 2 * np.median(np.diff(train.passing.time)):
+            found.append((row, file))
+    shown = [k for k, (row, _) in enumerate(found)
+             if np.any((train.passing.x[row] > low) & (train.passing.x[row] < high))]
+    return found[shown[0]:shown[-1] + 1] if shown else []
+
+
+def draw_model(train, folder):
+    """The model at the instant of the field files when the largest contact force is greatest, and
+    the bed below the axles enlarged."""
+    shape = model_drawing.shape_of(train.run, model_drawing.CUT)
+    figure = plt.figure(figsize=(13, 12.2 * shape + 3.25))
+    size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)
+    panel = figure.add_axes(np.array([0.6, 2.9, 12.2, 12.2 * shape]) / size)
+    close = figure.add_axes(np.array([0.6, 0.6, 12.2, 1.7]) / size)
+    scenes = [model_drawing.Scene(panel, train.run, model_drawing.CUT),
+              model_drawing.Scene(close, train.run, model_drawing.CUT)]
+    forces = [(model_drawing.contacts(file), row) for row, file in instants(train, folder)]
+    if forces:
+        chains, row = max(forces, key=lambda each: each[0].force.max(initial=0))
+        largest = chains.force.max(initial=0)
+        for scene in scenes:
+            scene.set_chains(chains, largest)
+        scenes[0].explain_chains(largest)
+        middle = chains.lines[np.argmax(chains.force)][:, 0].mean()
+    else:
+        on_bed = np.where(train.passing.on_bed()[..., None], train.passing.force, np.nan)
+        row = int(np.nanargmax(np.nanmax(on_bed, axis=(1, 2), initial=-1)))
+        middle = float(np.mean(train.run.sleepers_x))
+        panel.text(0.99, 0.97, "no contact forces: no field files within the passage", ha="right",
+                   va="top", transform=panel.transAxes, fontsize=9, zorder=10)
+    scenes[0].show_direction()
+    for scene in scenes:
+        scene.set_train(train.passing.x[row])
+    low, high = model_drawing.close_up(train.run)
+    close.set_ylim(low, high)
+    half = 0.5 * (high - low) * 12.2 / 1.7
+    close.set_xlim(middle - half, middle + half)
+    close.set_xlabel("x along the track, m")
+    panel.set_xlabel("")
+    panel.set_title(model_drawing.heading(train.run), fontsize=11)
+    panel.indicate_inset((middle - half, low, 2 * half, high - low), edgecolor="k", lw=1)
+    return figure
+
+
+def film(trains, folder, origin):
+    """Frames of the first run, with the level of the rail of all designs below when their first
+    axles are where that of the first run is; thin: the lowest level up to then."""
+    first = trains[0]
+    # The upper panel has the shape of its contents, so that both have the same axis along x.
+    long, left = 11.2, 0.85  # inches
+    high = long * model_drawing.shape_of(first.run, model_drawing.CUT)
+    figure = plt.figure(figsize=(long + left + 0.2, high + 3.6))
+    size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)
+    panel = figure.add_axes(np.array([left, 3.2, long, high]) / size)
+    level = figure.add_axes(np.array([left, 0.6, long, 2.3]) / size, sharex=panel)
+    scene = model_drawing.Scene(panel, first.run, model_drawing.CUT)
+    panel.set(title=model_drawing.heading(first.run), xlabel="")
+    shades.shade(level, ground_blocks.stretches(first.run))
+    lowest = max(1e3 * train.rail_down().max() for train in trains)
+    level.set(xlabel="x along the track, m", ylim=(-1.1 * lowest, 0.3 * lowest))
+    level.set_ylabel(f"level of the rail, {panels.UP}", fontsize=9)
+    level.grid(alpha=0.3)
+    lines = [level.plot([], [], lw=2, label=train.name, **style)[0]
+             for train, style in zip(trains, STYLES)]
+    deepest = [level.plot([], [], lw=0.8, label=f"lowest up to then, {train.name}", **style)[0]
+               for train, style in zip(trains, STYLES)]
+    level.legend(fontsize=8, loc="upper center", ncols=4, frameon=False)  # above the curves
+    write.state_origin(figure, origin)
+    clock = panel.text(0.01, 0.96, "", transform=panel.transAxes, va="top", fontsize=10)
+    figure.canvas.draw()
+    still = figure.canvas.copy_from_bbox(figure.bbox)
+    shots = [(row, model_drawing.contacts(file)) for row, file in instants(first, folder)]
+    largest = max(chains.force.max(initial=0) for _, chains in shots)
+    begin, frames = first.passing.time[0], []
+    for row, chains in shots:
+        figure.canvas.restore_region(still)
+        moving = [scene.set_chains(chains, largest), *scene.set_train(first.passing.x[row])]
+        clock.set_text(f"{model_drawing.DIRECTION}     {first.passing.time[row] - begin:.2f} s "
+                       "after the train began")
+        for train, line, lower in zip(trains, lines, deepest):
+            at = int(np.nanargmin(np.abs(train.passing.x[:, 0] - first.passing.x[row, 0]))) \
+                if np.isfinite(first.passing.x[row, 0]) else \
+                min(row, len(train.passing.time) - 1)
+            up = 1e3 * (train.passing.rail - train.passing.rail[0])
+            line.set_data(train.run.sleepers_x, up[at])
+            lower.set_data(train.run.sleepers_x, up[:at + 1].min(axis=0))
+        for artist in (*moving, clock, *deepest, *lines):
+            artist.axes.draw_artist(artist)
+        frames.append(Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert(
+            "P", palette=Image.Palette.ADAPTIVE, colors=255))
+    plt.close(figure)
+    file = io.BytesIO()
+    frames[0].save(file, format="GIF", save_all=True, append_images=frames[1:], loop=0,
+                   duration=FRAME_MS)
+    return file.getvalue()

@@ -1,0 +1,74 @@
+"""Tests of ground_blocks.py: roles of blocks follow from their moduli, not from their names."""
+import dataclasses
+
+import made
+import numpy as np
+import pytest
+from trackbed_post import bed_on_ground, ground_blocks, ground_transition
+
+
+def with_blocks(run, *blocks):
+    """The run with blocks (name, modulus, corners)."""
+    ground = {"block": [{"name": name, "young": young, "outline": outline}
+                        for name, young, outline in blocks]}
+    return dataclasses.replace(run, deck={**run.deck, "ground": ground})
+
+
+def box(low, high, top=0.0):
+    return [low, top, high, top, high, -2.0, low, -2.0]
+
+
+def test_names_are_labels_only(runs):
+    renamed = []
+    for run in runs:
+        blocks = [dict(block) for block in run.deck["ground"]["block"]]
+        blocks[0]["name"], blocks[1]["name"] = "bridge", "structure"
+        renamed.append(dataclasses.replace(run, deck={**run.deck, "ground": {"block": blocks}}))
+    assert ground_transition.table(renamed) == ground_transition.table(runs)
+    stiff, soft = ground_blocks.stretches(renamed[0])
+    assert (stiff.label, stiff.structure, stiff.high) == ("bridge", True, made.EDGE)
+    assert (soft.label, soft.structure, soft.high) == ("structure", False, 6.0)
+    panel = bed_on_ground.stress(renamed).axes[0]
+    assert [text.get_text() for text in panel.texts] == ["bridge", "structure"]
+    bed_on_ground.plt.close("all")
+
+
+@pytest.mark.parametrize("young, edge", [(10e9, made.EDGE), (9.99e9, None)])
+def test_a_structure_is_as_stiff_as_concrete(runs, young, edge):
+    run = with_blocks(runs[0], ("wedge", young, box(0, made.EDGE)))
+    assert ground_blocks.edge_of_structure(run) == edge
+
+
+def test_soft_blocks_are_one_stretch_and_touching_structures_one(runs):
+    run = with_blocks(runs[0], ("wedge_surface", 6e8, box(2, 5)), ("deck", 3e10, box(0.0, 1.5)),
+                      ("abutment", 2e10, box(1.5, 2)), ("wedge", 3e8, box(2, 4, -0.6)),
+                      ("foundation", 3e10, box(0, 3, -1.0)))
+    stiff, soft = ground_blocks.stretches(run)
+    assert (stiff.low, stiff.high) == (0, 2) and stiff.label == "deck, abutment, foundation"
+    assert (soft.low, soft.high, soft.label) == (2, 5, "wedge surface, wedge")
+    assert ground_blocks.edge_of_structure(run) == 2
+    assert ground_blocks.wedge_length(run) == pytest.approx(3)
+
+
+def test_plain_track_ends_before_the_next_structure(runs):
+    run = with_blocks(runs[0], ("wedge", 3e8, box(2, 3)), ("near", 3e10, box(0, 2)),
+                      ("far", 3e10, box(8, 9)))
+    assert ground_blocks.edge_of_structure(run) == 2
+    assert ground_blocks.plain_track(run, 2.0, 1.0, 0.6) == pytest.approx((2.2, 4.8))
+    assert ground_blocks.plain_track(runs[0], 2.0, 4.0, 0.6) == pytest.approx((5.2, 7.0))
+
+
+def test_sleepers_beside_springs_are_not_plain_track(runs):
+    stages = [{**stage, "train": stage["kind"] == "passage"} for stage in runs[0].deck["stage"]]
+    run = dataclasses.replace(runs[0], deck={**runs[0].deck, "stage": stages})
+    last = np.sort(run.sleepers_x)[-1 - ground_blocks.ENDS]
+    assert ground_blocks.plain_track(run, 2.0, 4.0, 0.6)[1] == pytest.approx(last - 2.0)
+
+
+def test_a_structure_in_the_first_run_only_is_no_wedge(runs):
+    wedge = ("wedge", 3e8, box(2, 6))
+    stiff = ("structure", 3e10, box(0, 2))
+    both, bare = with_blocks(runs[0], stiff, wedge), with_blocks(runs[0], stiff)
+    assert ground_blocks.differ_by_wedge(both, bare)
+    assert not ground_blocks.differ_by_wedge(both, with_blocks(runs[0], wedge))
+    assert not ground_blocks.differ_by_wedge(bare, bare)

@@ -1,0 +1,78 @@
+"""Tests of panels.py and of what it is used for: legends that hide no curve, names of axles, one
+sign of displacements on axes."""
+import h5py
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import test_train
+import test_transition
+from trackbed_post import (bed_on_ground, curves, model_drawing, panels, support_figure,
+                           train_figures, transition, transition_figures)
+
+
+@pytest.mark.parametrize("wheels, two_rails, names", [
+    ([[3.0, 1.0], [4.0, 2.0]], False, ["axle 1", "axle 2"]),
+    ([[3.0, 3.0, 1.0, 1.0], [np.nan, np.nan, 2.0, 2.0]], True,
+     ["axle 1, left", "axle 1, right", "axle 2, left", "axle 2, right"])])
+def test_axles_are_counted_from_one(tmp_path, wheels, two_rails, names):
+    wheels = np.array(wheels)
+    assert panels.on_two_rails(wheels) == two_rails
+    (tmp_path / "run").mkdir()
+    with h5py.File(tmp_path / "run/results.h5", "w") as file:
+        for name, values, unit in (("time", np.arange(2.0), "s"), ("wheel/x", wheels, "m"),
+                                   ("wheel/force", wheels, "N"),
+                                   ("wheel/wheel", np.arange(wheels.shape[1]), "-")):
+            file[f"history/{name}"] = values
+            file[f"history/{name}"].attrs["units"] = unit
+        file["history/time"].make_scale()
+        file["history/wheel/wheel"].make_scale()
+        file["history/wheel/force"].dims[0].attach_scale(file["history/time"])
+        file["history/wheel/force"].dims[1].attach_scale(file["history/wheel/wheel"])
+    found = [curves.of_run(tmp_path / "run", "history/wheel/force", place).name
+             for place in range(wheels.shape[1])]
+    assert found == [f"run, {name}" for name in names]
+
+
+def pair():
+    return transition.named([test_transition.train(7.8),
+                             test_transition.train(5.4, wedge_present=False)])
+
+
+def drawn_transition(monkeypatch):
+    monkeypatch.setattr(model_drawing, "heading", lambda run: "made")
+    trains = pair()
+    return transition_figures.compare(trains, transition.changes_of(trains), "A verdict.")
+
+
+def test_legends_are_outside_of_the_curves(runs, monkeypatch):
+    figures = [drawn_transition(monkeypatch), support_figure.draw(runs),
+               *(getattr(bed_on_ground, name)(runs)
+                 for name in ("envelope", "sleepers", "stress", "spectra")),
+               train_figures.draw(train_figures.Passing(*test_train.made()), [])]
+    for figure in figures:
+        figure.canvas.draw()
+        legends = [(panel, legend) for panel in figure.axes if (legend := panel.get_legend())]
+        assert legends
+        for panel, legend in legends:
+            inside, box = panel.get_window_extent(), legend.get_window_extent()
+            assert box.y0 >= inside.y1 - 1 or box.y1 <= inside.y0 + 1
+    plt.close("all")
+
+
+def test_displacements_on_axes_are_up_positive(runs, monkeypatch):
+    _, level, settled = drawn_transition(monkeypatch).axes
+    upper, lower = bed_on_ground.envelope(runs).axes
+    _, down, left = train_figures.draw(train_figures.Passing(*test_train.made()), []).axes
+    for panel in (level, settled, upper, lower, down, left):
+        assert panels.UP in panel.get_ylabel() and not panel.yaxis_inverted()
+    assert level.lines[0].get_ydata().max() < 0 and lower.lines[0].get_ydata().max() < 0
+    assert down.lines[0].get_ydata().max() < 0
+    plt.close("all")
+
+
+def test_the_direction_of_travel_is_shown_without_a_vehicle():
+    scene = model_drawing.Scene.__new__(model_drawing.Scene)
+    figure, scene.panel = plt.subplots()
+    scene.show_direction()
+    assert [text.get_text() for text in scene.panel.texts] == [model_drawing.DIRECTION]
+    plt.close(figure)
