@@ -30,7 +30,7 @@ runs_in_memory() {
 if [ ! -e "$runs" ]; then rm -f "$runs"; fi  # a link left by a call that was killed
 of_tier=()
 if [ "${1:-}" = long ]; then
-  of_tier=(clang-tidy mypy debootstrap dpkg-dev python3-pip python3-setuptools python3-wheel
+  of_tier=(clang-tidy mypy debootstrap dpkg-dev file python3-pip python3-setuptools python3-wheel
     mkdocs mkdocs-material chromium chromium-driver python3-selenium
     munge slurmctld slurmd slurm-client)
 fi

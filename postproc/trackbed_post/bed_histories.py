@@ -1,8 +1,8 @@
-"""Figures of histories within the bed: sensors, stress paths of regions, support of sleepers."""
+"""Figures of histories within the bed: sensors, stress paths of regions, energies."""
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measures, signals, support, train_strip
+from trackbed_post import measures, signals, train_strip
 from trackbed_post.bed_figures import needs
 
 FILTER = signals.LowPass()
@@ -88,39 +88,6 @@ def stress_paths(runs):
     return figure
 
 
-def draw_support(runs):
-    """Reaction of the stones over the displacement of three sleepers relative to the ground in the
-    passage; stiffness of the support and gap of all sleepers."""
-    needs(all(len(run.sleepers_x) and run.sleeper for run in runs), "no sleepers")
-    figure, (loops, stiff, gaps) = plt.subplots(1, 3, figsize=(14, 4.6))
-    text = []
-    for run, style in zip(runs, STYLES):
-        found = support.of(run)
-        for number, k in enumerate(measures.chosen_sleepers(run)):
-            loops.plot(found.lowered[:, k] * 1e3, found.reaction[:, k] / 1e3, style, lw=0.8,
-                       color=f"C{number}", label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
-        for number, (of, what) in enumerate(((found.bed, "bed alone"),
-                                             (found.whole, "with ground"))):
-            stiff.plot(run.sleepers_x, of / 1e6, style, marker="o", ms=3, lw=1, color=f"C{number}",
-                       label=f"{run.name}, {what}")
-        gaps.plot(run.sleepers_x, found.gap * 1e3, style, marker="o", ms=3, lw=1, label=run.name)
-        text.append(f"{run.name}: {found.words()}")
-    loops.set_xlabel("sleeper lowered relative to the ground (mm)")
-    loops.set_ylabel("reaction of the stones (kN)")
-    loops.set_title(f"Loops in the {runs[0].passage_name()}", fontsize=10)
-    stiff.set_ylabel("stiffness of the support (kN/mm)")
-    stiff.set_ylim(bottom=0)
-    stiff.set_title("Secant to the largest reaction", fontsize=10)
-    gaps.set_ylabel("gap below the sleeper (mm)")
-    gaps.set_title("\n".join(text), fontsize=10)
-    for panel in (stiff, gaps):
-        panel.set_xlabel("x along the track (m)")
-    for panel in (loops, stiff, gaps):
-        panel.grid(alpha=0.3)
-        panel.legend(fontsize=7)
-    return figure
-
-
 def energy_split(runs):
     """What was dissipated since the last stage began, by cause, beside what surfaces supplied less
     what the stones store."""
@@ -145,5 +112,5 @@ def energy_split(runs):
     return figure
 
 
-FIGURES = {"sensors": sensors, "stress_paths": stress_paths, "support": draw_support,
+FIGURES = {"sensors": sensors, "stress_paths": stress_paths,
            "energy_split": energy_split}

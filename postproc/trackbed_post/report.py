@@ -97,7 +97,8 @@ def facts_of(run):
     if summary:
         found |= {"deck": summary["deck"], "model": summary["model"], "ranks": summary["ranks"],
                   "simulated time, s": summary["simulated_time_s"],
-                  "wall time, s": summary["wall_time_s"],
+                  "wall time, s": summary.get("wall_time_of_all_parts_s",
+                                              summary["wall_time_s"]),
                   "memory of a rank, MB": summary["memory_mb_per_rank"]}
     for key, name in (("particles", "stones"), ("pieces", "pieces of stones")):
         if key in summary.get("dem", {}):

@@ -56,6 +56,14 @@ def stage_records(folder):
             for stage in summary(folder)["stages"]]
 
 
+def require_time_of_all_parts(whole, resumed):
+    """The wall time of a resumed run contains its first part."""
+    whole, resumed = ([summary(folder)[f"wall_time{of}_s"] for of in ("", "_of_all_parts")]
+                      for folder in (whole, resumed))
+    if resumed[1] <= resumed[0] or abs(whole[1] - whole[0]) > 0.1:
+        raise SystemExit(f"wall time of this part and of all: {resumed}, undisturbed {whole}")
+
+
 def require_ends_by_target(folder):
     """Every stage with a target must end by reaching it before its duration: only then do the stops
     within it test that the state of the criterion is restored."""
@@ -98,6 +106,7 @@ def main():
                      "-o", folder, code=3)
         program.done(RANKS_OF_RESUMED[number % 2], "resume", folder)
         compare(reference, folder, f"stopped after {windows} windows")
+        require_time_of_all_parts(reference, folder)
     folder = root / "started"
     program.done(2, "run", deck, *overrides, f"start={reference / 'stage_sleepers.h5'}", "-o",
                  folder)

@@ -38,7 +38,7 @@ struct StageRecord {
   bool has(Aim one) const { return aim == static_cast<double>(one); }
 };
 
-// Small, and the same on all ranks; stored in checkpoints.
+// Small, and the same on all ranks but for wall times; stored in checkpoints.
 struct Course {
   std::size_t stage = 0;     // number in the deck
   bool begun = false;        // the stage has begun: its `begin` is done
@@ -47,6 +47,7 @@ struct Course {
   std::int64_t windows = 0;  // of the whole run
   std::vector<StageRecord> done;
   std::vector<std::string> warnings;  // of the whole run, a sentence each
+  double earlier_wall_time = 0;       // s, of the parts of the run before the last resume
 
   void tick() { clock.tick(), ++windows; }
   void archive(io::Archive& a);

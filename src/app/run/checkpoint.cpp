@@ -51,8 +51,14 @@ void Run::save(io::File& file) {
   file.attribute("/", "stage_finished", static_cast<std::int64_t>(!course_.begun));
   file.attribute("/", "time", course_.clock.time());
   io::Archive archive = io::Archive::writer(context_.comm, file);
-  archive.part("run", course_);
+  model::Course course = course_;
+  course.earlier_wall_time = wall_time_of_all_parts();
+  archive.part("run", course);
   scheme_.archive(archive);
+}
+
+double Run::wall_time_of_all_parts() const {
+  return course_.earlier_wall_time + context_.log.wall_time();
 }
 
 void Run::load(const io::File& file) {

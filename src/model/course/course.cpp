@@ -53,6 +53,7 @@ void Course::archive(io::Archive& a) {
   a("windows_in_stage", all, {"-", "windows of the stage, at most"});
   a("windows", windows, {"-", "windows of the run that are done"});
   a("warnings", warnings, {"-", "warnings of the run, UTF-8, each with a line feed"});
+  a("wall_time", earlier_wall_time, {"s", "wall time of all parts of the run up to here"});
   archive_records(a, done);
   if (!a.reads()) return;
   clock = Clock(steps.window, all);

@@ -68,19 +68,17 @@ void say_model(World& world, const std::string& name) {
   }
   if (!model.has_train()) return;
   const track::TrackParameters& track = model.track.line.track;
-  std::string load;
-  if (const auto train = train_of(model.track)) {
-    for (const std::string& line : lines_of_vehicles(*train, track.dimension == Dimension::space))
-      say(comm, line);
-    load = fmt::format(", static load of the first wheel {:.2f} kN", static_load(*train) / 1e3);
-  }
-  say_values(
-      comm,
-      "  train: {} at {:.2f} km/h{}{} over {:g} m of rail; {} sleepers on springs before the "
-      "bed; the sleepers of the bed carry {:g} rail{}",
-      fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6,
-      model.track.train.times.empty() ? "" : " at first", load, track.length, model.seat.before,
-      model.seat.rails, model.seat.rails == 1 ? "" : "s");
+  const track::Train train(model.track.train, model.track.vehicles, track.rails,
+                           track.wheel_gauge());
+  for (const std::string& line : lines_of_vehicles(train, track.dimension == Dimension::space))
+    say(comm, line);
+  say_values(comm,
+             "  train: {} at {:.2f} km/h{}, static load of the first wheel {:.2f} kN; {:g} m of "
+             "rail; {} sleepers on springs before the "
+             "bed; the sleepers of the bed carry {:g} rail{}",
+             fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6,
+             model.track.train.times.empty() ? "" : " at first", static_load(train) / 1e3,
+             track.length, model.seat.before, model.seat.rails, model.seat.rails == 1 ? "" : "s");
 }
 
 // Memory is the largest of all ranks, since that rank fails first.
