@@ -10,6 +10,7 @@ from trackbed_post import ground_blocks, panels, read, shades
 
 MARKERS = "osDvP*Xh"         # of axles in turn
 SHOWN_WHEELS = len(MARKERS)  # the first wheels are shown
+APART = 3.0                  # m: a train that is further from the bed does not deflect it
 
 
 def rows_of_trains(wheel_x):
@@ -29,11 +30,18 @@ def train_rows(wheel_x, name):
     return trains[-1]
 
 
-def under_axles(wheel_x, sleepers_x, displacement, reach):
-    """Lowest displacement of each sleeper while an axle is within `reach` of it, [axle, sleeper],
-    relative to the first row; nan where the axle never came."""
+def row_before_train(first_axle_x, bed_begin):
+    """The last row before the first axle is within APART of the bed; the first row if there is
+    none. The pads start without force, and until the train comes the rail and the sleepers move
+    to their common equilibrium."""
+    near = np.flatnonzero(first_axle_x > bed_begin - APART)
+    return max(int(near[0]) - 1, 0) if len(near) else 0
+
+
+def under_axles(wheel_x, sleepers_x, moved, reach):
+    """Lowest displacement of each sleeper while an axle is within `reach` of it, [axle, sleeper];
+    nan where the axle never came."""
     lowest = np.full((wheel_x.shape[1], len(sleepers_x)), np.nan)
-    moved = displacement - displacement[0]
     for axle in range(wheel_x.shape[1]):
         for i, place in enumerate(sleepers_x):
             near = np.abs(wheel_x[:, axle] - place) <= reach
@@ -44,7 +52,7 @@ def under_axles(wheel_x, sleepers_x, displacement, reach):
 
 class Passing:
     """The last train of a run: time, s; x of axles, m; force of their wheels, N, [time, axle,
-    rail], left before right; motion of the sleepers, m."""
+    rail], left before right; motion of the sleepers, m. Levels are relative to the row `first`."""
 
     def __init__(self, run, every):
         if "history/wheel/x" not in every or not len(run.sleepers_x):
@@ -64,8 +72,10 @@ class Passing:
         self.sleepers_x = run.sleepers_x
         self.displacement = rows_of("sleeper/displacement")[rows]
         self.spacing = run.deck["sleepers"]["spacing"]
-        self.lowest = under_axles(self.x, self.sleepers_x, self.displacement, self.spacing)
-        self.left = self.displacement[-1] - self.displacement[0]
+        self.first = row_before_train(self.x[:, 0], self.sleepers_x[0])
+        self.lowest = under_axles(self.x, self.sleepers_x,
+                                  self.displacement - self.displacement[self.first], self.spacing)
+        self.left = self.displacement[-1] - self.displacement[self.first]
 
     def on_bed(self):
         """Whether each axle is over the bed's sleepers, [time, axle]."""

@@ -23,24 +23,28 @@ NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two desig
 
 @dataclasses.dataclass(frozen=True)
 class Train:
-    """The last train of a run and what it does to the track; levels are relative to the first row,
-    downwards positive, m."""
+    """The last train of a run and what it does to the track; levels are relative to the last row
+    before the train comes to the bed, downwards positive, m."""
     run: read.Results
     passing: train_figures.Passing
     name: str = ""
 
     def rail_down(self):
         """Lowest level of the rail above each sleeper."""
-        return self.passing.rail[0] - self.passing.rail.min(axis=0)
+        first = self.passing.first
+        return self.passing.rail[first] - self.passing.rail[first:].min(axis=0)
 
     def sleeper_down(self):
-        moved = self.passing.displacement[0] - self.passing.displacement
-        return moved.max(axis=0)
+        first = self.passing.first
+        return self.passing.displacement[first] - self.passing.displacement[first:].min(axis=0)
 
     def settlement(self):
         """Of each sleeper into the bed: relative to the ground below it, which still vibrates when
         the train has left."""
-        return measures.residual_displacement(self.run) - measures.residual_ground(self.run)
+        lowered = measures.ground_lowered(self.run)
+        first = np.searchsorted(self.run.time[self.run.passage()],
+                                self.passing.time[self.passing.first])
+        return -self.passing.left - (lowered[-1] - lowered[first])
 
     def largest_force(self):
         """x, m, and the largest force of any wheel there, N, along the bed."""

@@ -189,7 +189,7 @@ def film(trains, folder, origin):
             at = int(np.nanargmin(np.abs(train.passing.x[:, 0] - first.passing.x[row, 0]))) \
                 if np.isfinite(first.passing.x[row, 0]) else \
                 min(row, len(train.passing.time) - 1)
-            up = 1e3 * (train.passing.rail - train.passing.rail[0])
+            up = 1e3 * (train.passing.rail - train.passing.rail[train.passing.first])
             line.set_data(train.run.sleepers_x, up[at])
             lower.set_data(train.run.sleepers_x, up[:at + 1].min(axis=0))
         for artist in (*moving, clock, *deepest, *lines):

@@ -66,6 +66,7 @@ void put_energies(const fem::GroundEnergies& energies, ColumnWriter& to) {
   to.put("history/energy/ground_kinetic", {"J", "of the ground"}, energies.kinetic);
   to.put("history/energy/ground_elastic",
          {"J", "of the ground, of its motion since static equilibrium"}, energies.elastic);
+  if (!energies.yields) return;
   to.put("history/energy/ground_plastic", {"J", "dissipated by yielding of the ground up to now"},
          energies.plastic);
 }

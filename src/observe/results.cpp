@@ -7,6 +7,8 @@
 // before. Other changes (snapshots) are made to the twin, which then replaces the file; the next
 // flush copies the file once to have a twin again.
 #include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -17,6 +19,7 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <numeric>
 
 #include "observe/column_writer.hpp"
 #include "observe/impl.hpp"
@@ -273,12 +276,21 @@ void Results::Impl::flush() {
 
 namespace {
 
+// The meaning of the numbers in history/stage, by the conventions of CF (section 3.5).
+void name_stages(io::File& file, const std::vector<std::string>& names) {
+  if (names.empty() || file.has_attribute("history/stage", "flag_values")) return;
+  std::vector<std::int64_t> numbers(names.size());
+  std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
+  file.attribute("history/stage", "flag_values", numbers);
+  file.attribute("history/stage", "flag_meanings", fmt::format("{}", fmt::join(names, " ")));
+}
+
 // Columns that were not sampled have width 0 and no dataset; a new dataset gets its axes. All ranks
 // have all rows; one writes them.
 template <class Groups>
 void append_rows(const par::Comm& comm, io::File& file, const std::vector<double>& times,
-                 const std::vector<std::int64_t>& stages, const Groups& groups,
-                 std::vector<double> Column::*rows) {
+                 const std::vector<std::int64_t>& stages, const std::vector<std::string>& names,
+                 const Groups& groups, std::vector<double> Column::*rows) {
   const auto own = [&](const auto& values) {
     return std::span(values).first(comm.root() ? values.size() : 0);
   };
@@ -290,6 +302,7 @@ void append_rows(const par::Comm& comm, io::File& file, const std::vector<double
   };
   append("history/time", times, 1, {"s", "simulated time"});
   append("history/stage", stages, 1, {"-", "number of the stage"});
+  name_stages(file, names);
   for (const auto* group : groups)
     for (const Column& column : *group)
       if (column.width > 0) append(column.path, column.*rows, column.width, column.label);
@@ -298,11 +311,12 @@ void append_rows(const par::Comm& comm, io::File& file, const std::vector<double
 }  // namespace
 
 void Results::Impl::append_last_to(io::File& file) const {
-  append_rows(comm, file, last_times, last_stages, groups_of(*this), &Column::last);
+  append_rows(comm, file, last_times, last_stages, recorded.stages, groups_of(*this),
+              &Column::last);
 }
 
 void Results::Impl::append_to(io::File& file) {
-  append_rows(comm, file, times, stages, groups_of(*this), &Column::values);
+  append_rows(comm, file, times, stages, recorded.stages, groups_of(*this), &Column::values);
   last_times.swap(times), last_stages.swap(stages);
   times.clear(), stages.clear();
   for (auto* group : groups_of(*this))

@@ -122,3 +122,10 @@ def test_runs_without_a_train_are_refused():
     with pytest.raises(read.Unreadable) as refused:
         train_figures.Passing(run, every)
     assert refused.value.code == 2
+
+
+def test_the_row_before_the_train_is_the_last_one_far_from_the_bed():
+    x = np.array([-9.0, -6.0, -4.1, -2.9, 0.5, 4.0])
+    assert train_figures.row_before_train(x, 0.0) == 2
+    assert train_figures.row_before_train(x, -9.0) == 0       # starts on the bed
+    assert train_figures.row_before_train(x, 50.0) == 0       # never comes

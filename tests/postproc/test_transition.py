@@ -24,12 +24,14 @@ def train(end_of_wedge, plain=1e-3, force=60e3, wedge_present=True):
     displacement, ground_x = level - [[0], [0], [1e-4]], np.linspace(0, 18.6, 190)
     run = types.SimpleNamespace(
         name="made", deck=deck, sleepers_x=X, ground_x=ground_x, passage=lambda: slice(0, 3),
+        time=np.arange(3.0),
         sleeper={"displacement": types.SimpleNamespace(values=displacement)},
         ground={"displacement": types.SimpleNamespace(values=np.zeros((3, len(ground_x))))})
     way = np.linspace(-3, 22, 400)
     wheels = np.stack([way, way - 2], axis=1)
     passing = types.SimpleNamespace(
         rail=level, displacement=displacement, x=wheels, force=np.full((400, 2, 1), force),
+        first=0, time=np.arange(3.0), left=displacement[-1] - displacement[0],
         on_bed=lambda: (wheels >= X[0]) & (wheels <= X[-1]))
     return transition.Train(run, passing, "made")
 
@@ -109,6 +111,17 @@ def test_verdict_names_what_changes_clearly():
     assert "between two sleepers is 0.2 mm/m at x = " in text
     assert "behind the structure (-80%): as expected of a wedge" in text
     assert "the structure: no clear effect (within 10%)" in text
+
+
+def test_levels_count_from_the_row_before_the_train():
+    """What rail and sleepers do until then is no effect of the train."""
+    one = train(7.8)
+    rail, sleeper = one.rail_down(), one.sleeper_down()
+    for values in (one.passing.rail, one.passing.displacement):
+        values[0] += 0.3e-3   # the pads take their forces
+    assert one.rail_down() == pytest.approx(rail + 0.3e-3)
+    one.passing.first = 1
+    assert (one.rail_down() < rail + 0.2e-3).all() and (one.sleeper_down() <= sleeper).all()
 
 
 def test_settlement_is_relative_to_the_ground():

@@ -6,6 +6,7 @@
 import pathlib
 import shutil
 import sys
+import tomllib
 
 import h5py
 import numpy as np
@@ -110,6 +111,11 @@ def check_resume(program, deck, folder):
         expect(sentence in ran.stderr, f"no sentence on {change}", ran)
     program.done(1, "resume", folder)
     arrays = check(folder / "results.h5", dims)
+    stages = [stage["name"] for stage in tomllib.loads(deck.read_text(encoding="utf-8"))["stage"]]
+    numbers = arrays["history/stage"].attrs
+    if numbers["flag_meanings"].split() != stages or list(numbers["flag_values"]) != list(
+            range(len(stages))):
+        raise SystemExit(f"the stages {stages} are labelled {numbers}")
     with h5py.File(folder / "results.h5", "r") as file:
         for name, place in (("history/sleeper/time", "history/time"),
                             ("history/sleeper/x", "sleepers/x"),

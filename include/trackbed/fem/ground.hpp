@@ -176,6 +176,7 @@ MeshReport look_at_mesh(const GroundParameters& parameters);
 // J, over all ranks: of the motion since static equilibrium; dissipated by yielding up to now.
 struct GroundEnergies {
   double kinetic = 0, elastic = 0, plastic = 0;
+  bool yields = false;  // whether any layer or block can
 };
 
 struct GroundTotals : GroundEnergies {

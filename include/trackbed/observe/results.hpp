@@ -103,6 +103,7 @@ struct PlacedInstant {
 struct Recorded {
   std::vector<std::int32_t> nodes = {};  // of the ground's top, see monitored_nodes
   std::vector<double> sleeper_x = {};    // m, also before the sleepers are placed
+  std::vector<std::string> stages = {};  // names, in the order of their numbers
   std::vector<Region> regions = {};
   std::vector<Sensor> sensors = {};
   std::vector<std::string> parts{history_parts.begin(), history_parts.end()};

@@ -182,5 +182,6 @@ def axles_of(path):
     x = x.reshape(len(x), -1)[:, ::2 if "history/seat/force" in every else 1]
     spacing = run.deck["sleepers"]["spacing"]
     level = run.sleeper["displacement"].values
-    return [(number + 1, train_figures.under_axles(x[rows], run.sleepers_x, level[rows], spacing))
+    return [(number + 1, train_figures.under_axles(x[rows], run.sleepers_x,
+                                                  level[rows] - level[rows][0], spacing))
             for number, rows in enumerate(train_figures.rows_of_trains(x))]

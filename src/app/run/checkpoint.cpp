@@ -88,12 +88,12 @@ void Run::resume(const std::string& checkpoint) {
              fmt::format("  continues at {:.6g} s from {}", course_.clock.time(), checkpoint));
 }
 
-// This is another run than the one that wrote the file: windows count from 0, and results begin
-// again. The simulated time continues, so that histories of both runs can be joined.
+// This is another run than the one that wrote the file: windows and wall time count from 0, and
+// results begin again. The simulated time continues, so that histories of both runs can be joined.
 void Run::start_from(const std::string& checkpoint) {
   const io::File file = io::open_checkpoint(context_.comm, checkpoint);
   load(file);
-  course_.windows = 0;
+  course_.windows = 0, course_.earlier_wall_time = 0;
   course_.stage = stage_after(file, checkpoint, context_.model, context_.deck);
   started_from_ = checkpoint;
 }

@@ -150,6 +150,7 @@ GroundEnergies Ground::Impl::energies() const {
     for (const double stored : plasticity->stored(state.static_displacement, state.displacement))
       elastic.push_back(stored);
     total.plastic = sum_of(mesh.comm, plasticity->dissipated());
+    total.yields = true;
   }
   total.kinetic = sum_of(mesh.comm, kinetic);
   total.elastic = sum_of(mesh.comm, elastic);

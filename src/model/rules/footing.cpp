@@ -260,7 +260,8 @@ void FootingParameters::declare(input::Section& s) {
       "the load of one rail.");
 }
 
-// On a ground the sleepers are as large as the areas that they load. Without one, sleepers that do
+// On a ground the sleepers are as large as the areas that they load, without the factors of zones.
+// Without one, sleepers that do
 // not bend have the default width and height of those that do.
 observe::TrackShape shape_of_track(const Model& model) {
   const track::TrackParameters& track = model.track.line.track;

@@ -184,6 +184,7 @@ void StagedScheme::start() {
   // Present or future positions of sleepers: their number is the width of their histories.
   for (std::size_t i = 0; world_.sleepers && i < world_.sleepers->count(); ++i)
     recorded.sleeper_x.push_back(world_.sleepers->x(i));
+  for (const Stage& stage : model_.stages) recorded.stages.push_back(stage.name);
   results_.begin(world_.scene(), recorded);
 }
 
