@@ -52,13 +52,9 @@ void Run::save(io::File& file) {
   file.attribute("/", "time", course_.clock.time());
   io::Archive archive = io::Archive::writer(context_.comm, file);
   model::Course course = course_;
-  course.earlier_wall_time = wall_time_of_all_parts();
+  course.earlier_wall_time += context_.log.wall_time();
   archive.part("run", course);
   scheme_.archive(archive);
-}
-
-double Run::wall_time_of_all_parts() const {
-  return course_.earlier_wall_time + context_.log.wall_time();
 }
 
 void Run::load(const io::File& file) {

@@ -58,7 +58,6 @@ class Run {
   void save(io::File& file);
   void load(const io::File& file);
   void write_summary(Outcome outcome);
-  double wall_time_of_all_parts() const;  // s, of the run and of those that it continues
 
   model::RunContext& context_;
   model::Scheme& scheme_;
