@@ -1,5 +1,5 @@
 """Which film a run has: of a transition zone, or of its field files."""
-from trackbed_post import field_film, instants, kinds, read, transition, write
+from trackbed_post import field_film, film_files, instants, kinds, read, transition, write
 
 # Options that only a film of field files has.
 OF_FIELDS = ("array", "view", "parts", "limits", "x", "stage", "time", "frames")
@@ -38,10 +38,9 @@ def write_film(given):
 
 
 def of_transition(given):
-    content = transition.film_of(given.results, write.origin_of(given.results))
-    if given.output.suffix == ".mp4":
-        raise read.Unreadable(f"{given.output}: the film of a transition zone is a GIF: give a "
-                              "name that ends in .gif, or --fields for one of the field files")
+    film_files.require_name(given.output)
+    pictures = transition.film_of(given.results, write.origin_of(given.results))
+    content = film_files.encoded(given.output, pictures)
     write.folder(given.output.resolve().parent)
     write.whole(given.output, content)
     print(f"{given.output}: {len(content) / 1e6:.1f} MB")

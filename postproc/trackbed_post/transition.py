@@ -390,7 +390,7 @@ def draw_into(results, folder):
 
 
 def film_of(results, origin):
-    """Bytes of a GIF file: film() of runs given by their folders."""
+    """Pictures: film() of runs given by their folders."""
     trains = named([train_of(path) for path in results])
     if not transition_figures.instants(trains[0], results[0]):
         raise read.Unreadable(f"{trains[0].run.name} has no field files within the passage; set "

@@ -1,19 +1,16 @@
 """Pictures and film of a train over a transition zone: of transition.Train objects, of one run or
 of two compared.
 """
-import io
 import textwrap
 
 import matplotlib.pyplot as plt
 import numpy as np
-from PIL import Image
 
 from trackbed_post import ground_blocks, measures, model_drawing, panels, read, shades, write
 from trackbed_post.ground_transition import REACHED
 
 # Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
 STYLES = ({"color": "#0b559f", "ls": "-"}, {"color": "#d95f02", "ls": "--"})
-FRAME_MS = 120       # ms, each picture of the film is shown
 WRAP = 118           # characters of a line below transition.png
 
 
@@ -151,7 +148,7 @@ def draw_model(train, folder):
 
 
 def film(trains, folder, origin):
-    """Frames of the first run, with the level of the rail of all designs below when their first
+    """Pictures of the first run, with the level of the rail of all designs below when their first
     axles are where that of the first run is; thin: the lowest level up to then."""
     first = trains[0]
     # The upper panel has the shape of its contents, so that both have the same axis along x.
@@ -179,7 +176,7 @@ def film(trains, folder, origin):
     still = figure.canvas.copy_from_bbox(figure.bbox)
     shots = [(row, model_drawing.contacts(file)) for row, file in instants(first, folder)]
     largest = max(chains.force.max(initial=0) for _, chains in shots)
-    begin, frames = first.passing.time[0], []
+    begin = first.passing.time[0]
     for row, chains in shots:
         figure.canvas.restore_region(still)
         moving = [scene.set_chains(chains, largest), *scene.set_train(first.passing.x[row])]
@@ -194,10 +191,5 @@ def film(trains, folder, origin):
             lower.set_data(train.run.sleepers_x, up[:at + 1].min(axis=0))
         for artist in (*moving, clock, *deepest, *lines):
             artist.axes.draw_artist(artist)
-        frames.append(Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert(
-            "P", palette=Image.Palette.ADAPTIVE, colors=255))
+        yield np.array(figure.canvas.buffer_rgba())[..., :3]
     plt.close(figure)
-    file = io.BytesIO()
-    frames[0].save(file, format="GIF", save_all=True, append_images=frames[1:], loop=0,
-                   duration=FRAME_MS)
-    return file.getvalue()

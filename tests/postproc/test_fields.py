@@ -292,10 +292,12 @@ def write_results(folder, deck):
 
 def test_transition_zones_keep_their_film(tmp_path, monkeypatch):
     write_results(tmp_path, 'dimension = "plane"\n[[stage]]\nname = "a"\ntrain = true\n')
-    monkeypatch.setattr(transition, "film_of", lambda *_: b"GIF of the zone")
+    pictures = [np.full((5, 7, 3), grey, dtype=np.uint8) for grey in (0, 255)]
+    monkeypatch.setattr(transition, "film_of", lambda *_: iter(pictures))
     film = tmp_path / "film.gif"
     assert conftest.call("film", tmp_path, "-o", film).returncode == 0
-    assert film.read_bytes() == b"GIF of the zone"
+    with Image.open(film) as made:
+        assert made.n_frames == 2 and made.size == (7, 5)
     for option in (("--fields",), ("--view", "top"), ("--stage", "a")):
         done = conftest.call("film", tmp_path, "-o", film, *option)
         assert done.returncode == 2 and "has no field files" in done.stderr
