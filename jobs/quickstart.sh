@@ -21,4 +21,4 @@ part "Film" draw film $results/wedge $results/no_wedge -o $results/figures/film.
 printf '\nDone in %d s. Figures and film:\n' $SECONDS
 printf '  %s\n' "$PWD"/$results/figures/{model,transition}.png "$PWD/$results/figures/film.gif"
 echo "Table: $PWD/$results/figures/transition.txt"
-echo "Results: $PWD/$results/{wedge,no_wedge}/results.h5; contacts, sleepers and train for ParaView: fields/"
+echo "Results: $PWD/$results/{wedge,no_wedge}/results.h5; for ParaView: fields/"
