@@ -120,7 +120,6 @@ def draw_map(given):
 
 def run_sweep(given):
     """runs a deck with several values of parameters; mean and band over the seeds"""
-    overlays.Overlays(given.laid)  # reports what is wrong with them before the first run
     done, ending = sweep.run_all(*sweep.of_options(given))
     if done:
         origin = write.origin_of([case.folder for case in done])

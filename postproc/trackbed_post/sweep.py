@@ -16,10 +16,11 @@ import subprocess
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (curves, program, read, track_figures, train_figures, transition,
-                           write)
+from trackbed_post import (curves, overlays, program, read, track_figures, train_figures,
+                           transition, write)
 from trackbed_post.kinds import of_deck
 
+FIGURE = "sweep"  # name of the figure of --quantity
 STOPPED = 3  # exit code of a run that a signal or a limit has ended early
 RESULTS = ("energy.", "coupling.")  # what of summary.json is one: the rest is size and cost
 
@@ -50,18 +51,27 @@ class Link:
 
 @dataclasses.dataclass(frozen=True)
 class Step:
-    """One run of a Case: its deck, values by parameter, folder, and the word that gives it the
-    state of the run before it."""
+    """One run of a Case: its deck, values by parameter, folder, the word that gives it the state of
+    the run before it, and what identifies each run before it."""
     deck: pathlib.Path
     values: dict
     folder: pathlib.Path
     state: str = ""
+    before: tuple = ()
 
     def words(self):
         return [f"{key}={value}" for key, value in self.values.items()]
 
     def changes(self):
         return [*self.words(), *([self.state] if self.state else [])]
+
+    def own(self):
+        """Deck and values, without those of the runs before."""
+        return {"deck": self.deck.read_text(encoding="utf-8"), "values": self.words()}
+
+    def identity(self):
+        """What must be the same for a run to be this one; stored in sweep.json."""
+        return self.own() | {"before": list(self.before)}
 
 
 def link_of(deck, text):
@@ -87,8 +97,20 @@ def require_owners(varied, chain):
                                   f"{'there are ' + ', '.join(stems) if stems else 'see --before'}")
 
 
+def require_figure(given):
+    """The only figure is drawn of --quantity; a curve over any other could not be drawn when all
+    runs have finished."""
+    others = [one.text for one in overlays.Overlays(given.laid).overlays if one.figure != FIGURE]
+    if others:
+        raise read.Unreadable(f"--measured {others[0]}: the only figure of a sweep is {FIGURE}")
+    if given.laid and not given.quantity:
+        raise read.Unreadable(f"--measured {given.laid[0]}: the figure {FIGURE} is drawn with "
+                              "--quantity only")
+
+
 def of_options(given):
     """(deck, Cases, trackbed, ranks, Links) of the options of the command."""
+    require_figure(given)
     varied = varied_of(given.vary)
     chain = [link_of(pathlib.Path(deck), text) for deck, text in given.before]
     require_owners(varied, chain)
@@ -102,17 +124,18 @@ def of_options(given):
 def steps_of(case, deck, chain=()):
     """The Steps of a Case, the last of which is that of the deck. Runs before are named by all
     values up to them."""
-    steps, names, state = [], [], ""
+    steps, names, state, before = [], [], "", ()
     for link in chain:
         owner = f"{link.deck.stem}:"
         own = {key.removeprefix(owner): value for key, value in case.values.items()
                if key.startswith(owner)}
         names += [as_name(key, value) for key, value in own.items()]
         folder = case.folder.parent / "before" / "_".join([link.deck.stem, *names])
-        steps.append(Step(link.deck, own, folder, state))
+        steps.append(Step(link.deck, own, folder, state, before))
         state = link.word(folder)
+        before += (steps[-1].own() | {"parameter": link.parameter, "stage": link.stage},)
     own = {key: value for key, value in case.values.items() if ":" not in key}
-    return [*steps, Step(pathlib.Path(deck), own, case.folder, state)]
+    return [*steps, Step(pathlib.Path(deck), own, case.folder, state, before)]
 
 
 def is_seed(key):
@@ -145,14 +168,15 @@ def state_of(step):
 
 
 def require_same_deck(step):
-    """A finished run of another deck would be taken for a result of this sweep."""
-    stored = step.folder / "sweep.json"
-    now = {"deck": step.deck.read_text(encoding="utf-8"), "values": step.words()}
+    """A finished run of another deck, or after other runs before it, would be taken for a result of
+    this sweep."""
+    stored, now = step.folder / "sweep.json", step.identity()
     if step.folder.is_dir() and state_of(step) != "new":
-        before = json.loads(stored.read_text(encoding="utf-8")) if stored.is_file() else None
-        if before != now:
-            raise read.Unreadable(f"{step.folder} holds a run of another deck, or of other values: "
-                                  "choose another folder (-o), or remove it")
+        found = json.loads(stored.read_text(encoding="utf-8")) if stored.is_file() else {}
+        if {"before": [], **found} != now:  # older files do not have the runs before
+            raise read.Unreadable(f"{step.folder} holds a run of another deck, of other values or "
+                                  "after other runs before it: choose another folder (-o), or "
+                                  "remove it")
     write.folder(step.folder)
     write.whole(stored, json.dumps(now).encode())
 
@@ -329,7 +353,8 @@ def run_step(step, trackbed, ranks, words, failed):
 
 
 def needed(case, deck, chain):
-    """The Steps of a Case; of a finished one without runs before that were removed meanwhile."""
+    """The Steps of a Case to be run or checked. If the Case is finished, its runs before may have
+    been deleted: only those whose folders exist are then returned."""
     steps = steps_of(case, deck, chain)
     return [step for step in steps if step.folder.is_dir()] if state_of(case) == "finished" \
         else steps
@@ -370,5 +395,5 @@ def write_results(done, folder, quantity="", place=-1, stage=""):
     numbers = [numbers_of(case.folder) for case in done]
     folder.file("sweep.csv", table_csv(done, numbers))
     if quantity:
-        folder.picture("sweep", draw(done, quantity, place, stage))
+        folder.picture(FIGURE, draw(done, quantity, place, stage))
     folder.table("sweep.txt", table_text(done, numbers))

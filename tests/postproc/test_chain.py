@@ -1,5 +1,7 @@
 """Sweeps over chains of decks, with a program that only notes what it is asked for."""
+import json
 import pathlib
+import shutil
 
 import conftest
 import pytest
@@ -123,3 +125,52 @@ def test_folder_of_another_chain_is_refused(place):
     assert ran.returncode == 2 and "before/cell holds a run of another deck" in ran.stderr
     with pytest.raises(read.Unreadable):
         sweep.require_owners({"base:x": ["1"]}, [sweep.Link(place / "cell.toml", "start")])
+
+
+CELL, BASE = ("--before", "cell.toml", "bed.cell"), ("--before", "base.toml", "start=bed_in")
+OTHER_STAGE = ("--before", "base.toml", "start=other")
+
+
+@pytest.mark.parametrize("first, second", [
+    ((), BASE), (BASE, ()), (BASE, (*CELL, *BASE)), ((*CELL, *BASE), BASE), (BASE, OTHER_STAGE),
+    (CELL, ("--before", "cell.toml", "start"))])
+def test_a_finished_run_after_other_runs_before_is_no_result(place, monkeypatch, first, second):
+    monkeypatch.chdir(place)
+    words = ("--vary", "speed", "30")
+    assert call(place, *first, *words).returncode == 0
+    ran = call(place, *second, *words)
+    assert ran.returncode == 2 and "after other runs before it" in ran.stderr
+    assert call(place, *first, *words).returncode == 0
+
+
+def test_a_changed_deck_before_is_found_when_its_run_was_deleted(place, monkeypatch):
+    monkeypatch.chdir(place)
+    words = (*CELL, "--vary", "speed", "30")
+    assert call(place, *words).returncode == 0
+    shutil.rmtree(place / "out/before")
+    assert call(place, *words).returncode == 0
+    (place / "cell.toml").write_text("title = 'other'\n", encoding="utf-8")
+    ran = call(place, *words)
+    assert ran.returncode == 2 and "out/speed_30 holds a run of another deck" in ran.stderr
+
+
+def test_results_of_a_deck_alone_that_have_no_list_of_runs_before_are_kept(place):
+    assert call(place, "--vary", "speed", "30").returncode == 0
+    stored = place / "out/speed_30/sweep.json"
+    older = json.loads(stored.read_text(encoding="utf-8"))
+    assert older.pop("before") == []
+    stored.write_text(json.dumps(older), encoding="utf-8")
+    assert call(place, "--vary", "speed", "30").returncode == 0 and len(runs(place)) == 1
+
+
+@pytest.mark.parametrize("words, expected", [
+    ((), "the figure sweep is drawn with --quantity only"),
+    (("--quantity", "envelope/rail/displacement_min", "--measured", "curve=track.csv"),
+     "the only figure of a sweep is sweep")])
+def test_curves_over_a_figure_that_will_not_be_drawn_are_refused(place, monkeypatch, words,
+                                                                 expected):
+    monkeypatch.chdir(place)
+    (place / "track.csv").write_text("x_m,z_mm\n4.2,-0.9\n4.8,1.5\n", encoding="utf-8")
+    ran = call(place, "--vary", "speed", "30", "--measured", "sweep=track.csv", *words)
+    assert ran.returncode == 2 and expected in ran.stderr
+    assert not (place / "asked.txt").exists()
