@@ -373,7 +373,8 @@ def parser():
     one.add_argument("--place", type=int, metavar="K",
                      help="column of the dataset, counted from 0; default: all")
     one.add_argument("--change", action="store_true",
-                     help="counts the differences from the first row")
+                     help="of a history: counts the differences from the first number of each "
+                     "column")
     one.add_argument("--bins", type=arguments.count, default=histogram.BINS,
                      help="default: %(default)s")
     one.add_argument("--log", action="store_true", help="logarithmic axis of the shares")

@@ -90,8 +90,7 @@ def _read(path: pathlib.Path, name: str) -> tuple[np.ndarray, str, np.ndarray, s
 
 def _in_stage(path: pathlib.Path, name: str, stage: str) -> np.ndarray:
     """Which rows of a history are those of a stage."""
-    if not name.startswith("history/"):
-        raise read.Unreadable(f"{name} is no history: it has no rows of a stage {stage}")
+    read.require_history(name, f"rows of a stage {stage}")
     rows = read.rows_of_stage(read.datasets(path), read.origin(path)[1], stage)
     if not rows.any():
         raise read.Unreadable(f"{path.parent.name} has no row of the histories in stage {stage}")

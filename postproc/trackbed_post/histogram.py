@@ -19,7 +19,7 @@ QUANTILES = {"least": 0, "5 %": 5, "median": 50, "95 %": 95, "largest": 100}
 @dataclasses.dataclass(frozen=True)
 class Choices:
     """`stage`: its rows, or contact forces at its end; `place`: number of the column, None for all;
-    `change`: difference from the first row; `log`: axis of the shares."""
+    `change`: difference from the first number of each column; `log`: axis of the shares."""
     stage: str = ""
     place: int | None = None
     change: bool = False
@@ -40,11 +40,11 @@ def _known(every: read.Quantities) -> list[str]:
     return [name for name, item in every.items() if item.values.dtype.kind in "fiu"]
 
 
-def _dataset_of(every: read.Quantities, quantity: str, stage: str) -> str:
-    """Name of the dataset; contact forces are those at the end of the stage, or the last one."""
-    if quantity != CONTACT_FORCE:
-        return quantity
-    stages = [name for name in every if name.startswith("chains/") and name.endswith("/force")]
+def _contact_force_of(every: read.Quantities, deck: read.Deck, stage: str) -> str:
+    """Name of the dataset of contact forces at the end of the stage, or of the last one."""
+    found = [name.split("/")[1] for name in every
+             if name.startswith("chains/") and name.endswith("/force")]
+    stages = [f"chains/{one}/force" for one in read.in_order(found, deck)]
     wanted = [name for name in stages if name == f"chains/{stage}/force"] if stage else stages
     if not wanted:
         raise read.Unreadable(f"there are no contact forces{f' of a stage {stage}' * bool(stage)}; "
@@ -52,43 +52,65 @@ def _dataset_of(every: read.Quantities, quantity: str, stage: str) -> str:
     return wanted[-1]
 
 
-def _in_order(every: read.Quantities, deck: read.Deck) -> read.Quantities:
-    """Contact forces in the order of the stages; HDF5 lists them alphabetically."""
-    order = [f"chains/{one.get('name')}/force" for one in deck.get("stage", [])]
-    return dict(sorted(every.items(), key=lambda one: order.index(one[0]) if one[0] in order
-                       else -1))
+def _of_history(values: np.ndarray, dataset: str, every: read.Quantities, deck: read.Deck,
+                stage: str) -> np.ndarray:
+    """The rows [time, place] of a history, or those of the stage; nan for wheels of a track alone
+    that are not between its run-ins, where the program writes forces, too."""
+    if dataset.startswith("history/wheel/") and "history/stage" not in every and "track" in deck:
+        between = track_figures.between_run_ins(every, deck["track"]["length"],
+                                                track_figures.run_in_of(deck))
+        values = np.where(between, values, np.nan)
+    return values[read.rows_of_stage(every, deck, stage)] if stage else values
 
 
-def sample_of(path: pathlib.Path, quantity: str, name: str, choices: Choices) -> Sample:
-    deck = read.origin(path)[1]
-    every = _in_order(read.datasets(path), deck)
-    dataset = _dataset_of(every, quantity, choices.stage)
-    if dataset not in _known(every):
-        raise read.Unreadable(f"{name} has no dataset {dataset}; it has {CONTACT_FORCE} and "
-                              f"{', '.join(_known(every))}")
-    item = every[dataset]
-    values = item.values.reshape(len(item.values), -1).astype(float)
-    if choices.stage and dataset.startswith("history/"):
-        values = values[read.rows_of_stage(every, deck, choices.stage)]
+def _changes(values: np.ndarray) -> np.ndarray:
+    """Differences of each column from its first number."""
+    first = np.argmax(np.isfinite(values), axis=0)
+    return values - np.take_along_axis(values, first[None, :], axis=0)
+
+
+def _values_of(every: read.Quantities, deck: read.Deck, dataset: str,
+               choices: Choices) -> np.ndarray:
+    """The values [row, place] that count; nan for those that do not."""
+    values = every[dataset].values
+    values = values.reshape(len(values), -1).astype(float)
+    if dataset.startswith("history/"):
+        values = _of_history(values, dataset, every, deck, choices.stage)
     if choices.place is not None:
         if not 0 <= choices.place < values.shape[1]:
             raise read.Unreadable(f"--place {choices.place}: {dataset} has the places 0 to "
                                   f"{values.shape[1] - 1}")
         values = values[:, [choices.place]]
-    if choices.change and len(values):
-        values = values - values[0]
+    return _changes(values) if choices.change and len(values) else values
+
+
+def sample_of(path: pathlib.Path, quantity: str, name: str, choices: Choices) -> Sample:
+    every, deck = read.datasets(path), read.origin(path)[1]
+    dataset = quantity if quantity != CONTACT_FORCE else \
+        _contact_force_of(every, deck, choices.stage)
+    if dataset not in _known(every):
+        raise read.Unreadable(f"{name} has no dataset {dataset}; it has {CONTACT_FORCE} and "
+                              f"{', '.join(_known(every))}")
+    if choices.stage and quantity != CONTACT_FORCE:
+        read.require_history(dataset, f"rows of a stage {choices.stage}")
+    if choices.change:
+        read.require_history(dataset, "change from a first row")
+    values = _values_of(every, deck, dataset, choices)
     kept = values[np.isfinite(values)]
     if not len(kept):
         raise read.Unreadable(f"{name}: {dataset} has no numbers here")
     words = f"{name}, {dataset.split('/')[1]}" if quantity == CONTACT_FORCE else name
-    return Sample(words, kept, item.unit, values.size - len(kept))
+    return Sample(words, kept, every[dataset].unit, values.size - len(kept))
 
 
 def edges_of(samples: collections.abc.Sequence[Sample], bins: int) -> np.ndarray:
-    """Common edges of the bins; equal values are in the middle of one bin."""
+    """Common edges of the bins; if all values are equal, they are in the middle of one bin."""
     low = min(float(one.values.min()) for one in samples)
     high = max(float(one.values.max()) for one in samples)
-    return np.histogram_bin_edges([low, high], bins)
+    if low < high:
+        return np.histogram_bin_edges([low, high], bins)
+    wide = (abs(low) or 1.0) / bins
+    return low + wide * (np.arange(bins + 1) - bins // 2 - 0.5)
 
 
 def draw(samples: collections.abc.Sequence[Sample], edges: np.ndarray, label: str,
@@ -135,7 +157,7 @@ def table_of(samples: collections.abc.Sequence[Sample], label: str) -> str:
                          for name, share in QUANTILES.items())
         lines.append(f"{one.name}: {len(one.values)} values, mean {one.values.mean():.4g}, "
                      f"standard deviation {one.values.std():.4g}, {ends}"
-                     + (f"; {one.left_out} values that are no numbers are left out"
+                     + (f"; {one.left_out} values are left out"
                         if one.left_out else ""))
     return "\n".join(lines) + "\n"
 
@@ -152,7 +174,7 @@ def draw_into(results: collections.abc.Sequence[pathlib.Path], folder: write.Fol
     edges = edges_of(samples, choices.bins)
     label = quantity.replace("_", " ") if quantity == CONTACT_FORCE else quantity
     label += f" in stage {choices.stage}" if choices.stage and quantity != CONTACT_FORCE else ""
-    label += ", change from the first row" if choices.change else ""
+    label += ", change from the first number of each place" if choices.change else ""
     folder.picture("histogram", draw(samples, edges, label, choices))
     folder.file("histogram.csv", as_csv(samples, edges))
     folder.table("histogram.txt", table_of(samples, label))

@@ -191,7 +191,7 @@ def _platen(file: h5py.File) -> Quantities:
             for name, one in _quantities(file, "history/platen").items()}
 
 
-def _in_order(names: collections.abc.Iterable[str], deck: Deck) -> list[str]:
+def in_order(names: collections.abc.Iterable[str], deck: Deck) -> list[str]:
     """Names of stages in the order of the deck; HDF5 lists them alphabetically."""
     order = [stage.get("name") for stage in deck.get("stage", [])]
     return sorted(names, key=lambda name: order.index(name) if name in order else len(order))
@@ -278,17 +278,17 @@ def _results(file_path: pathlib.Path, file: h5py.File) -> Results:
         ground_envelope=_quantities(file, "envelope/ground"),
         chains={name: Chains(stages[name]["segments"][()].reshape(-1, 4),
                              stages[name]["force"][()])
-                for name in _in_order(stages, deck)},
+                for name in in_order(stages, deck)},
         stones={name: Stones(stone_stages[name]["centre"][()].reshape(-1, 2),
                              stone_stages[name]["radius"][()],
                              stone_stages[name]["sieved"][()].reshape(-1, 2))
-                for name in _in_order(stone_stages, deck)},
+                for name in in_order(stone_stages, deck)},
         surface={name: surfaces[name]["top"][()].reshape(-1, 3)
-                 for name in _in_order(surfaces, deck)},
-        breaks={name: _breaks(breaks[name][()]) for name in _in_order(breaks, deck)},
+                 for name in in_order(surfaces, deck)},
+        breaks={name: _breaks(breaks[name][()]) for name in in_order(breaks, deck)},
         bonds={name: Bonds(*(bonds[name][part][()].reshape(-1, len(columns))
                              for part, columns in (("whole", WHOLE), ("broken", BROKEN))))
-               for name in _in_order(bonds, deck)})
+               for name in in_order(bonds, deck)})
 
 
 def folder_of(path: pathlib.Path | str) -> pathlib.Path:
@@ -342,6 +342,12 @@ def datasets(path: pathlib.Path | str) -> Quantities:
     with _opened(_place(path, "results.h5")) as file:
         see(file)
     return found
+
+
+def require_history(name: str, words: str) -> None:
+    """Datasets other than histories have no rows over time; `words`: what is asked of them."""
+    if not name.startswith("history/"):
+        raise Unreadable(f"{name} is no history: it has no {words}")
 
 
 def rows_of_stage(every: Quantities, deck: Deck, stage: str) -> np.ndarray:

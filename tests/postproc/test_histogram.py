@@ -53,16 +53,54 @@ def test_equal_values_have_a_bin_and_missing_ones_are_named(tmp_path):
                deck="", version="0", ranks=1)
     ran = conftest.call("histogram", "history/wheel/force", tmp_path / "one", "-o", tmp_path)
     assert ran.returncode == 0, ran.stderr
-    assert "1 values that are no numbers are left out" in ran.stdout
+    assert "1 values are left out" in ran.stdout
     rows = counts(tmp_path)[1]
-    assert rows[:, 2].sum() == 2 and len(rows) == histogram.BINS
+    assert len(rows) == histogram.BINS and np.count_nonzero(rows[:, 2]) == 1
+    (low, high, count), = rows[rows[:, 2] > 0]
+    assert count == 2 and (low + high) / 2 == pytest.approx(5)
+
+
+@pytest.mark.parametrize("value", [0.0, -1e-3, 5.0, 3e9])
+@pytest.mark.parametrize("bins", [1, 4, 5, 40])
+def test_equal_values_are_in_the_middle_of_a_bin(value, bins):
+    edges = histogram.edges_of([histogram.Sample("one", np.full(3, value), "N")], bins)
+    there = np.flatnonzero(np.histogram(np.full(3, value), edges)[0])
+    assert len(edges) == bins + 1 and len(there) == 1
+    assert edges[there[0]:there[0] + 2].mean() == pytest.approx(value, abs=1e-12)
+
+
+def test_changes_count_from_the_first_number_of_each_place(tmp_path):
+    (tmp_path / "one").mkdir()
+    force = np.array([[5.0, np.nan], [6.0, 20.0], [7.0, 23.0], [np.nan, np.nan]])
+    made.store(tmp_path / "one/results.h5", {"history/wheel/force": (force, "N")},
+               deck="", version="0", ranks=1)
+    ran = conftest.call("histogram", "history/wheel/force", tmp_path / "one", "-o", tmp_path,
+                        "--change", "--bins", "3")
+    assert ran.returncode == 0 and "3 values are left out" in ran.stdout, ran.stderr
+    assert counts(tmp_path)[1].tolist() == [[0, 1, 2], [1, 2, 1], [2, 3, 2]]
+
+
+def test_wheels_beyond_the_run_ins_of_a_track_alone_do_not_count(tmp_path):
+    (tmp_path / "one").mkdir()
+    x = np.array([[-1.0, -3.0], [5.0, 3.0], [9.0, 7.0], [19.0, 17.0]])
+    made.store(tmp_path / "one/results.h5", {
+        "history/wheel/x": (x, "m"), "history/wheel/force": (np.arange(8.0).reshape(4, 2), "N")},
+        deck='model = "track"\n[track]\nlength = 20\nrun_in = 4\n', version="0", ranks=1)
+    ran = conftest.call("histogram", "history/wheel/force", tmp_path / "one", "-o", tmp_path)
+    assert ran.returncode == 0, ran.stderr
+    assert "one: 3 values, mean 3.667" in ran.stdout and "5 values are left out" in ran.stdout
 
 
 @pytest.mark.parametrize("words, problem", [
     (("history/none",), "has no dataset history/none; it has contact_force and "),
     (("contact_force", "--stage", "lay"), "no contact forces of a stage lay; there are chains"),
     (("history/sleeper/velocity", "--stage", "lay"), "there is no stage lay; the stages are fill"),
-    (("history/sleeper/velocity", "--place", "15"), "has the places 0 to 14")])
+    (("history/sleeper/velocity", "--place", "15"), "has the places 0 to 14"),
+    (("envelope/ground/sigma_z_min", "--stage", "passage"),
+     "envelope/ground/sigma_z_min is no history: it has no rows of a stage passage"),
+    (("chains/load/force", "--stage", "nonsense"), "is no history: it has no rows of a stage"),
+    (("contact_force", "--change"), "chains/load/force is no history: it has no change"),
+    (("envelope/ground/sigma_z_min", "--change"), "is no history: it has no change")])
 def test_what_is_not_there_is_said(run, tmp_path, words, problem):
     ran = conftest.call("histogram", *words, run, "-o", tmp_path)
     assert ran.returncode == 2 and problem in ran.stderr

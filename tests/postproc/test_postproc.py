@@ -28,7 +28,7 @@ def test_read_gives_arrays_units_and_deck(runs):
     assert run.chains["load"].segments.shape == (2, 4)
     assert run.stones["load"].centre.shape == (2, 2)
     deck = {"stage": [{"name": name} for name in ("fill", "compact", "load")]}
-    assert read._in_order(["compact", "fill", "load", "new"], deck) == ["fill", "compact", "load",
+    assert read.in_order(["compact", "fill", "load", "new"], deck) == ["fill", "compact", "load",
                                                                         "new"]
     # Stage 4 of the deck is the passage: 2 s that begin at 0.1 s. Without one it is the last stage.
     for deck in (run.deck, {}, {"stage": 3 * [{"kind": "fill"}] + 2 * [{"kind": "passage"}]}):
