@@ -4,9 +4,9 @@ import numpy as np
 
 from trackbed_post import measures, signals, train_strip
 from trackbed_post.bed_figures import needs
+from trackbed_post.panels import LINES, UP
 
 FILTER = signals.LowPass()
-STYLES = ("-", "--")  # of the runs
 MOST = 4              # sensors below the train
 
 
@@ -20,7 +20,7 @@ def time_in_passage(run):
 def sensors(runs):
     """Vertical motion of each sensor in the passage; displacement since the passage began."""
     needs(all(run.sensors for run in runs), "the results contain no sensors")
-    panels = {"displacement": "displacement (mm, up)", "velocity": "velocity (mm/s, up)",
+    panels = {"displacement": f"displacement ({UP})", "velocity": "velocity (mm/s, up)",
               "acceleration": "acceleration (m/s2, up)"}
     names = list(dict.fromkeys(name for run in runs for name in run.sensors))
     train = train_strip.of_passage(runs[0])
@@ -28,7 +28,7 @@ def sensors(runs):
                                 f"C{names.index(sensor['name']) % 10}")
               for sensor in runs[0].deck.get("sensor", []) if sensor["name"] in names][:MOST]
     figure, axes = train_strip.panels_below(train, places, len(panels), (10, 8))
-    for run, style in zip(runs, STYLES):
+    for run, style in zip(runs, LINES):
         rows, time, label = time_in_passage(run)
         for number, name in enumerate(names):
             for panel, quantity in zip(axes, panels):
@@ -64,7 +64,7 @@ def stress_paths(runs):
     needs(all(run.regions for run in runs), "the results contain no regions")
     plane = runs[0].deck.get("dimension") == "plane"
     figure, (path, turn) = plt.subplots(1, 2, figsize=(11, 5))
-    for run, style in zip(runs, STYLES):
+    for run, style in zip(runs, LINES):
         rows, time, label = time_in_passage(run)
         for number, (name, region) in enumerate(run.regions.items()):
             stress = region["stress"].values[rows].mean(axis=1)

@@ -11,9 +11,8 @@ import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measured, panels, read, write
+from trackbed_post import axles, measured, panels, read, write
 
-STYLES = ("-", "--", "-.", ":")
 AXES = ("history/time", "history/stage", "envelope/x", "envelope/place")
 # SI unit, below which largest value (for factors below 1: from which on) another unit is drawn.
 SHORT = (("m", 0.1, 1e3, "mm"), ("m/s", 0.1, 1e3, "mm/s"), ("N", 1e3, 1e-3, "kN"),
@@ -64,7 +63,7 @@ def _columns(item: h5py.Dataset, count: int) -> list[str]:
         return [f"x = {x:g} m, {('left', 'right')[k % 2]}"
                 for k, x in enumerate(item.parent["x"][()])]
     if name == "wheel" and "x" in item.parent:
-        twice = panels.on_two_rails(item.parent["x"][()].reshape(-1, count))
+        twice = axles.on_two_rails(item.parent["x"][()].reshape(-1, count))
         return [panels.axle(k, twice) for k in range(count)]
     return [f"{name} {k + 1}" for k in range(count)]
 
@@ -232,10 +231,11 @@ def draw(curves: Curves, others: Curves, quantity: str) -> plt.Figure:
     figure, panel = plt.subplots(figsize=(9, 5), layout="constrained")
     factor, unit = scale_of((*curves, *others))
     for number, curve in enumerate(curves):
-        panel.plot(curve.x, factor * curve.y, STYLES[number % len(STYLES)], lw=1, label=curve.name)
+        panel.plot(curve.x, factor * curve.y, panels.LINES[number % len(panels.LINES)], lw=1,
+                   label=curve.name)
     for number, other in enumerate(others):
-        panel.plot(other.x, factor * other.y, "osv^"[number % 4], ms=4, mfc="none", color="k",
-                   label=other.name)
+        panel.plot(other.x, factor * other.y, panels.MARKERS[number % len(panels.MARKERS)], ms=4,
+                   mfc="none", color="k", label=other.name)
     panel.set(xlabel="time, s" if curves[0].x_unit == "s" else f"x, {curves[0].x_unit}",
               ylabel=f"{quantity}, {unit}")
     panel.grid(alpha=0.3)

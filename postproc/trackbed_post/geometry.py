@@ -14,6 +14,7 @@ import numpy as np
 
 from trackbed_post import (geometry_limits, measured, read, track_figures, track_measures,
                            write)
+from trackbed_post.panels import LINES
 
 Bases = collections.abc.Sequence[float]  # of twist, m
 BANDS = {"D1": (3.0, 25.0), "D2": (25.0, 70.0), "D3": (70.0, 150.0)}  # m, EN 13848-1
@@ -26,7 +27,6 @@ CLASSES = {(80, 120): (0.75, 1.10, 1.80, 2.50), (120, 160): (0.65, 0.85, 1.40, 1
 GAP = 1.5          # median steps of x: rows are missing
 LEAST = 10         # samples of a window
 ENDS = 3           # longest wavelengths: a longer record is judged without one of them at each end
-STYLES = ("-", "--", ":", "-.")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -257,7 +257,7 @@ def draw(levels: collections.abc.Sequence[Level], bases: Bases = BASES) -> plt.F
             f"{one.name}: {why_not(one, 'D1')} (D1)" for one in levels))
     figure, panels = plt.subplots(len(shown) + both, 1, sharex=True, squeeze=False,
                                   figsize=(10, 2.6 * (len(shown) + both)))
-    for level, style in zip(levels, STYLES):
+    for level, style in zip(levels, LINES):
         bands = bands_of(level)
         for panel, name in zip(panels[:, 0], shown):
             for side, rail in enumerate(bands.get(name, np.empty((0, 0))).T):
@@ -288,8 +288,8 @@ def draw_into(sources: collections.abc.Sequence[pathlib.Path | str], folder: wri
     speed, km/h; `deck`: and the files of `irregularities` of the one source."""
     if speed is not None:
         geometry_limits.at(geometry_limits.LEVEL, speed)
-    if len(sources) > len(STYLES):
-        raise read.Unreadable(f"give at most {len(STYLES)} files or runs")
+    if len(sources) > len(LINES):
+        raise read.Unreadable(f"give at most {len(LINES)} files or runs")
     if deck and len(sources) > 1:
         raise read.Unreadable("--irregularity: give one file")
     levels = [load(one) for one in sources]

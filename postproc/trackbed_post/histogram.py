@@ -9,7 +9,7 @@ import pathlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import curves, read, track_figures, write
+from trackbed_post import curves, panels, read, track_figures, write
 
 CONTACT_FORCE = "contact_force"  # at the end of a stage: chains/STAGE/force
 BINS = 40
@@ -119,7 +119,7 @@ def draw(samples: collections.abc.Sequence[Sample], edges: np.ndarray, label: st
     factor, unit = curves.short_unit(float(np.abs(edges).max()), samples[0].unit)
     figure, (share, below) = plt.subplots(2, 1, sharex=True, figsize=(9, 7), layout="constrained")
     for number, one in enumerate(samples):
-        style = curves.STYLES[number % len(curves.STYLES)]
+        style = panels.LINES[number % len(panels.LINES)]
         count = np.histogram(one.values, edges)[0] / len(one.values)
         line, = share.step(factor * edges, 100 * np.append(count, count[-1]), style, lw=1.4,
                            where="post", label=f"{one.name}: {len(one.values)} values, mean "

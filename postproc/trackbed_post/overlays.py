@@ -11,13 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from trackbed_post import curves, figure_csv, measured, read
+from trackbed_post import curves, figure_csv, measured, panels, read
 
 # Factor to SI and SI unit of a unit as axes state it: those of columns' names, "m/s2" for "_m_s2".
 UNITS = {ending[1:].replace("_", "/"): si for ending, si in measured.UNITS.items()}
 STATED = re.compile(r"[,(]\s*(" + "|".join(map(re.escape, sorted(UNITS, key=len, reverse=True)))
                     + r")(?![\w/])")
-MARKERS = "osv^Dx"
 DENSE = 100  # points of a curve; with more it is a dotted line
 
 
@@ -97,7 +96,7 @@ def draw_curve(curve: curves.Curve, panel: Axes, number: int) -> Line2D:
                               f"{figure_csv.axis_label(panel, 'x')}")
     limits, outside = panel.get_xlim(), (x < low) | (x > high)
     look = {"ls": ":", "lw": 1.6} if len(x) > DENSE else \
-        {"ls": "", "marker": MARKERS[number % len(MARKERS)], "ms": 4.5, "mfc": "none"}
+        {"ls": "", "marker": panels.MARKERS[number % len(panels.MARKERS)], "ms": 4.5, "mfc": "none"}
     line, = panel.plot(x, np.where(outside, np.nan, y), color="k", zorder=4, label=curve.name,
                        **look)
     panel.set_xlim(limits)

@@ -1,18 +1,12 @@
-"""What panels of several figures have in common: the sign of displacements, names of axles, legends
-that hide no curve."""
-import numpy as np
+"""What panels of several figures have in common: the sign of displacements, lines and markers,
+names of axles, legends that hide no curve."""
 from matplotlib.axes import Axes
 from matplotlib.transforms import ScaledTranslation
 
-UP = "mm, up positive"  # of all displacements on axes
+LINES = ("-", "--", "-.", ":")  # of runs in turn
+MARKERS = "osv^DP*X"            # of measured curves, or of axles, in turn
+UP = "mm, up positive"  # of displacements on axes; docs/postproc.md states what is down positive
 BELOW_LABELS = 0.5      # inches, from a panel to what is below the labels of its x axis
-
-
-def on_two_rails(wheel_x: np.ndarray) -> bool:
-    """Whether both wheels of each axle are listed, of histories [time, wheel]."""
-    count = wheel_x.shape[1]
-    return count % 2 == 0 and count > 0 and np.array_equal(wheel_x[:, ::2], wheel_x[:, 1::2],
-                                                           equal_nan=True)
 
 
 def axle(wheel: int, two_rails: bool) -> str:

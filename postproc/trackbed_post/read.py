@@ -70,7 +70,6 @@ class Results:
     ground_x: np.ndarray
     time: np.ndarray
     stage: np.ndarray
-    wheel_x: np.ndarray  # m, [time, wheel], nan beside the track; empty without vehicles
     sleeper: Quantities
     ground: Quantities
     energy: Quantities
@@ -78,7 +77,7 @@ class Results:
     walls: dict[str, Quantities]  # per wall `force`, N, and `displacement`, m: [time, x y z]
     platen: Quantities  # `z`, m, and `pressure`, Pa: [time]; `force`, N: [time, x y z]
     regions: dict[str, Quantities]  # per region; [time, cell], tensors [time, cell, 6]
-    wheel: Quantities  # of a train: `x`, m, and `force`, N: [time, wheel]
+    wheel: Quantities  # of a train: `x`, m, nan beside the track, and `force`, N: [time, wheel]
     sensors: dict[str, Quantities]  # per sensor: [time], [time, x y z]; stress [time, 6]
     placed: dict[str, Quantities]  # per stone placed by the deck: [time], [time, x y z]
     surfaces: dict[str, Quantities]  # per plate and box force, impulse, peak_force, displacement
@@ -260,7 +259,6 @@ def _results(file_path: pathlib.Path, file: h5py.File) -> Results:
         ground_x=_array(file, "ground/x"),
         time=_array(file, "history/time"),
         stage=_array(file, "history/stage"),
-        wheel_x=_array(file, "history/wheel/x"),
         sleeper=_of_places(file, "history/sleeper"),
         ground=_of_places(file, "history/ground"),
         energy=_quantities(file, "history/energy"),

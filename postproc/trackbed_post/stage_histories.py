@@ -10,8 +10,8 @@ import numpy as np
 
 from trackbed_post import measures, read
 from trackbed_post.bed_figures import needs
+from trackbed_post.panels import LINES, UP
 
-STYLES = ("-", "--")  # of the runs
 WIDTH = 2.6           # inches of a column
 MOST = 8              # columns: of more stages the last ones are shown
 
@@ -52,7 +52,7 @@ def rows_of(runs: collections.abc.Sequence[read.Results]) -> list[Row]:
     found = [Row("pressure of the\nplaten (kPa)", pressure, False)] if all(
         loaded(run).any() for run in runs) else []
     if all(len(run.sleepers_x) and "displacement" in run.sleeper for run in runs):
-        found.append(Row("displacement since\nplaced (mm, up)", settled))
+        found.append(Row(f"displacement since\nplaced ({UP})", settled))
     for name, label, factor in (("seat_force", "seat load\n(kN, down)", -1e-3),
                                 ("reaction", "reaction of\nstones (kN, up)", 1e-3)):
         if all(name in run.sleeper and len(run.sleepers_x) for run in runs):
@@ -120,7 +120,7 @@ def stages(runs: collections.abc.Sequence[read.Results]) -> plt.Figure:
     figure, panels = plt.subplots(len(rows), len(shown), sharex="col", sharey="row", squeeze=False,
                                   figsize=(2 + WIDTH * len(shown), 1.5 + 2 * len(rows)))
     for column, stage in zip(panels.T, shown):
-        for run, style in zip(runs, STYLES):
+        for run, style in zip(runs, LINES):
             draw_stage(column, run, stage, rows, style)
     label(panels, rows, shown)
     panels[-1, 0].legend(*panels[-1, -1].get_legend_handles_labels(), fontsize=7)

@@ -3,7 +3,6 @@ import matplotlib.pyplot as plt
 
 from trackbed_post import measures, panels, support
 from trackbed_post.bed_figures import needs
-from trackbed_post.bed_histories import STYLES
 
 
 def mark_hanging(runs, stiff, gaps):
@@ -26,7 +25,7 @@ def draw(runs):
     needs(all(len(run.sleepers_x) and run.sleeper for run in runs), "no sleepers")
     figure, (loops, stiff, gaps) = plt.subplots(1, 3, figsize=(14, 4.6))
     text = []
-    for run, style in zip(runs, STYLES):
+    for run, style in zip(runs, panels.LINES):
         found = support.of(run)
         for number, k in enumerate(measures.chosen_sleepers(run)):
             loops.plot(found.lowered[:, k] * 1e3, found.reaction[:, k] / 1e3, style, lw=0.8,

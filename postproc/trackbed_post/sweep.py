@@ -16,8 +16,8 @@ import subprocess
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (curves, overlays, program, read, track_figures, train_figures,
-                           transition, write)
+from trackbed_post import (curves, overlays, panels, program, read, track_figures,
+                           train_figures, transition, write)
 from trackbed_post.kinds import of_deck
 
 FIGURE = "sweep"  # name of the figure of --quantity
@@ -291,7 +291,7 @@ def draw(done, quantity, place, stage=""):
         x = found[members[0].folder].x
         y = factor * np.array([np.interp(x, one.x, one.y)
                                for one in (found[case.folder] for case in members)])
-        style = curves.STYLES[number % len(curves.STYLES)]
+        style = panels.LINES[number % len(panels.LINES)]
         words = f"{label(group)} ({len(members)} runs)"
         line = panel.plot(x, y.mean(axis=0), style, label=words)[0]
         panel.fill_between(x, y.min(axis=0), y.max(axis=0), color=line.get_color(), alpha=0.2, lw=0)

@@ -6,11 +6,10 @@ numbers: docs/track.md.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import ground_blocks, panels, read, shades
+from trackbed_post import axles, ground_blocks, panels, read, shades
 
-MARKERS = "osDvP*Xh"         # of axles in turn
-SHOWN_WHEELS = len(MARKERS)  # the first wheels are shown
-APART = 3.0                  # m: a train that is further from the bed does not deflect it
+SHOWN_WHEELS = len(panels.MARKERS)  # the first wheels are shown
+APART = 3.0                         # m: a train that is further from the bed does not deflect it
 
 
 def rows_of_trains(wheel_x):
@@ -63,8 +62,9 @@ class Passing:
             return values.reshape(len(values), -1)
         rows = train_rows(rows_of("wheel/x"), run.name)
         self.time = run.time[rows]
-        rails = 2 if "history/seat/force" in every else 1
-        self.x = rows_of("wheel/x")[rows][:, ::rails]
+        wheels = rows_of("wheel/x")[rows]
+        rails = 2 if axles.on_two_rails(wheels) else 1
+        self.x = axles.of_wheels(wheels)
         self.force = rows_of("wheel/force")[rows].reshape(len(rows), -1, rails)
         self.seats = rows_of("seat/displacement")[rows].reshape(len(rows), -1, 2) \
             if rails == 2 else None
@@ -139,7 +139,7 @@ def draw(passing, stretches):
             side = ", right" if rail else ", left" if passing.force.shape[2] == 2 else ""
             wheels.plot(passing.x[:, axle], force / 1e3, "--" if rail else "-", lw=0.8,
                         color=f"C{axle}", label=words + side)
-        line = {"marker": MARKERS[axle], "ms": 3.5, "lw": 0.9, "color": f"C{axle}"}
+        line = {"marker": panels.MARKERS[axle], "ms": 3.5, "lw": 0.9, "color": f"C{axle}"}
         down.plot(passing.sleepers_x, 1e3 * passing.lowest[axle], label=words, **line)
         if axle:
             left.plot(passing.sleepers_x, -1e3 * passing.sunk_since_first()[axle],

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from trackbed_post import read
+from trackbed_post import axles, read
 
 BODY = {"facecolor": "#dfe7ef", "edgecolor": "#2f4b66", "lw": 0.8}
 OVERHANG = 0.15          # of the distance of the outer axles, of a body beyond them
@@ -34,16 +34,9 @@ class Train:
     vehicles: tuple[str, ...] = ()
 
 
-def axles_of(wheel_x: np.ndarray) -> np.ndarray:
-    """[time, axle] of wheels, which on two rails are listed left before right."""
-    x = wheel_x.reshape(len(wheel_x), -1)
-    paired = x.shape[1] % 2 == 0 and np.array_equal(x[:, ::2], x[:, 1::2], equal_nan=True)
-    return x[:, ::2] if paired else x
-
-
 def of_run(deck: read.Deck, time: np.ndarray, wheel_x: np.ndarray) -> Train | None:
     """The Train of rows of the histories; None without an axle on the track."""
-    x = axles_of(wheel_x)
+    x = axles.of_wheels(wheel_x)
     names = tuple(map(str, deck.get("train", {}).get("vehicles", [])))
     return Train(time, x, names) if np.isfinite(x).any() else None
 
@@ -70,9 +63,10 @@ def times_at(train: Train, place: float) -> np.ndarray:
 
 
 def _vehicles(train: Train, times: np.ndarray) -> collections.abc.Iterator[tuple[str, np.ndarray]]:
-    """Name and times of the axles of each vehicle, if all have the same number of axles."""
+    """Name and times of the axles of each vehicle, if all have axles at the same distances."""
     count = len(train.vehicles)
-    if count and len(times) % count == 0 and len(times) > count:
+    known = count == 1 or axles.by_vehicle(train.x, count) is not None
+    if known and len(times) > count:
         yield from zip(train.vehicles, np.split(times, count))
 
 

@@ -10,7 +10,8 @@ from trackbed_post import ground_blocks, measures, model_drawing, panels, read, 
 from trackbed_post.ground_transition import REACHED
 
 # Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
-STYLES = ({"color": "#0b559f", "ls": "-"}, {"color": "#d95f02", "ls": "--"})
+STYLES = tuple({"color": colour, "ls": line}
+               for colour, line in zip(("#0b559f", "#d95f02"), panels.LINES))
 WRAP = 118           # characters of a line below transition.png
 
 

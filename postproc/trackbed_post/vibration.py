@@ -9,10 +9,10 @@ import pathlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measured, panels, read, signals, track_figures, write
+from trackbed_post import axles, measured, panels, read, signals, track_figures, write
 
 LEAST_ROWS = 32
-STYLES = ({"color": "C0", "ls": "-"}, {"color": "C1", "ls": "--"})
+STYLES = tuple({"color": f"C{k}", "ls": line} for k, line in enumerate(panels.LINES[:2]))
 
 
 def rows_of_passage(every: read.Quantities, folder: pathlib.Path | str) -> slice:
@@ -67,7 +67,7 @@ def computed(folder: pathlib.Path | str, quantity: str, place: int) -> measured.
     where = f"place {place}"
     if quantity.startswith("wheel/"):
         x = every["history/wheel/x"].values
-        where = panels.axle(place, panels.on_two_rails(x.reshape(len(x), -1)))
+        where = panels.axle(place, axles.on_two_rails(x.reshape(len(x), -1)))
     return measured.Signal(f"{pathlib.Path(folder).name}, {quantity}, {where}", time,
                            values[:, place], unit, ())
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import test_train
 import test_transition
-from trackbed_post import (bed_on_ground, curves, model_drawing, panels, support_figure,
-                           train_figures, transition, transition_figures)
+from trackbed_post import (axles, bed_histories, bed_on_ground, curves, model_drawing, panels,
+                           stage_histories, support_figure, train_figures, transition,
+                           transition_figures)
 
 
 @pytest.mark.parametrize("wheels, two_rails, names", [
@@ -16,7 +17,7 @@ from trackbed_post import (bed_on_ground, curves, model_drawing, panels, support
      ["axle 1, left", "axle 1, right", "axle 2, left", "axle 2, right"])])
 def test_axles_are_counted_from_one(tmp_path, wheels, two_rails, names):
     wheels = np.array(wheels)
-    assert panels.on_two_rails(wheels) == two_rails
+    assert axles.on_two_rails(wheels) == two_rails
     (tmp_path / "run").mkdir()
     with h5py.File(tmp_path / "run/results.h5", "w") as file:
         for name, values, unit in (("time", np.arange(2.0), "s"), ("wheel/x", wheels, "m"),
@@ -62,8 +63,10 @@ def test_legends_are_outside_of_the_curves(runs, monkeypatch):
 def test_displacements_on_axes_are_up_positive(runs, monkeypatch):
     _, level, settled = drawn_transition(monkeypatch).axes
     upper, lower = bed_on_ground.envelope(runs).axes
+    moved = stage_histories.stages(runs).axes[0]
+    sensor = bed_histories.sensors(runs).axes[0]
     _, down, left = train_figures.draw(train_figures.Passing(*test_train.made()), []).axes
-    for panel in (level, settled, upper, lower, down, left):
+    for panel in (level, settled, upper, lower, down, left, moved, sensor):
         assert panels.UP in panel.get_ylabel() and not panel.yaxis_inverted()
     assert level.lines[0].get_ydata().max() < 0 and lower.lines[0].get_ydata().max() < 0
     assert down.lines[0].get_ydata().max() < 0

@@ -202,7 +202,8 @@ def with_train(run, axles, vehicles, rails=1, **train):
     x = made.SPEED * run.time[:, None] - np.repeat(axles, rails)
     train = {"speed": made.SPEED, "vehicles": vehicles * ["wagon"]} | train
     return dataclasses.replace(run, deck={**run.deck, "stage": stages, "train": train},
-                               wheel_x=np.where((x > -5) & (x < 20), x, np.nan))
+                               wheel={"x": read.Quantity(
+                                   np.where((x > -5) & (x < 20), x, np.nan), "m", "-")})
 
 
 @pytest.mark.parametrize("rails", [1, 2])
@@ -215,6 +216,17 @@ def test_passing_frequencies_of_a_train(runs, rails):
     two_axles = frequencies.of_passage(with_train(runs[0], np.array([0, 9.0]), 1, rails))
     assert two_axles == pytest.approx({"v/L_w": 20 / 9, "v/s": 20 / 0.6})
     assert frequencies.of_passage(with_train(runs[0], WAGONS, 2, speeds=[20, 10])) == {}
+
+
+@pytest.mark.parametrize("rails", [1, 2])
+@pytest.mark.parametrize("axles, vehicles", [
+    ([0, 1.8, 3.6, 10, 11.8, 13.6, 17, 22], 2),     # six axles and two: four each on average
+    ([0, 1.8, 9, 10.8, 14, 16.2, 24, 26.2], 2),     # bogies of unlike wheelbases
+    ([0, 1.8, 9, 10.8, 14, 15.8, 50, 51.8], 2),     # the last bogie is not known: half the axles
+    ([0, 1.8, 9, 10.8, 14], 2)])
+def test_vehicles_that_are_not_equal_have_no_common_frequencies(runs, axles, vehicles, rails):
+    found = frequencies.of_passage(with_train(runs[0], np.array(axles), vehicles, rails))
+    assert found == pytest.approx({"v/s": 20 / 0.6})
 
 
 def test_the_axis_of_spectra_reaches_beyond_the_highest_passing_frequency(runs):

@@ -7,8 +7,8 @@ import made
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import (bed_histories, bed_on_ground, read, stage_histories, track_figures,
-                           train_strip)
+from trackbed_post import (axles, bed_histories, bed_on_ground, read, stage_histories,
+                           track_figures, train_strip)
 
 TIME = np.arange(0, 1, 1e-3)
 
@@ -35,8 +35,8 @@ def test_a_second_train_has_a_row_of_times_of_its_own():
 
 def test_wheels_of_two_rails_are_one_axle():
     x = np.array([[1.0, 1.0, -1.0, -1.0], [2.0, 2.0, np.nan, np.nan]])
-    assert train_strip.axles_of(x).shape == (2, 2)
-    assert train_strip.axles_of(x[:, [0, 2]]).shape == (2, 2)
+    assert axles.of_wheels(x).shape == (2, 2)
+    assert axles.of_wheels(x[:, [0, 2]]).shape == (2, 2)
 
 
 def test_bodies_are_above_the_wheels_of_each_vehicle():
@@ -45,6 +45,20 @@ def test_bodies_are_above_the_wheels_of_each_vehicle():
     bodies = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in panel.patches]
     assert np.allclose(bodies, [(0.185, 0.315), (0.385, 0.515)], atol=1e-6)
     assert [text.get_text() for text in panel.texts] == ["← wagon", "← wagon", "x = 3 m"]
+    plt.close(figure)
+
+
+@pytest.mark.parametrize("behind, vehicles, drawn", [
+    ([0, 2, 4, 7, 9, 11, 12, 14], ("engine", "wagon"), []),  # six axles and two
+    ([0, 2, 7, 8], ("engine", "wagon"), []),
+    ([0, 2, 7, 9], ("engine", "wagon"), ["← engine", "← wagon"]),
+    ([0, 2, 7, 8], ("engine",), ["← engine"])])
+def test_bodies_are_drawn_only_if_the_axles_of_each_vehicle_are_known(behind, vehicles, drawn):
+    figure, panel = plt.subplots()
+    x = 20.0 * TIME[:, None] - 1 - np.array(behind)
+    train_strip.draw(panel, train_strip.Train(TIME, x, vehicles),
+                     [train_strip.Place(3.0, "x = 3 m", "C0")])
+    assert [text.get_text() for text in panel.texts[:-1]] == drawn
     plt.close(figure)
 
 

@@ -1,7 +1,7 @@
 """The command `trackbed_post ballast`: stiffness of the ballast and a void below a sensor."""
 import matplotlib.pyplot as plt
 
-from trackbed_post import measured
+from trackbed_post import measured, panels
 from trackbed_post.monitor import ballast, forces
 
 WORDS = {"outside": "stiffness of the ballast, far", "inside": "stiffness at the sensor",
@@ -41,7 +41,7 @@ def picture(found, sensor):
     panel.plot(found.x, 1e3 * found.model, lw=1, label="model")
     panel.axvline(sensor, color="0.6", lw=0.8, ls=":")
     panel.set_xlabel("position of the first wheel (m); dotted: sensor")
-    panel.set_ylabel("displacement of the sleeper (mm)")
+    panel.set_ylabel(f"displacement of the sleeper ({panels.UP})")
     panel.set_title(f"Wavelengths above {ballast.FITTED:g} m: ballast at the sensor "
                     f"{1e-6 * found.value['inside']:.3g} MN/m of one rail seat", fontsize=10)
     panel.legend(fontsize=8)

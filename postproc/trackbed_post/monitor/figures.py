@@ -7,6 +7,7 @@ import numpy as np
 from trackbed_post import read
 from trackbed_post.monitor import displacement
 from trackbed_post.monitor.trends import AVERAGED, QUANTITIES
+from trackbed_post.panels import UP
 
 
 def table_of(path):
@@ -75,7 +76,7 @@ def passage(signal, speed, name, noise=None):
                        1e3 * (found.displacement + found.deviation), alpha=0.3,
                        label="standard deviation")
     lower.plot(time, np.where(found.at_rest, 0.0, np.nan), lw=2, color="C2", label="at rest")
-    lower.set_ylabel("displacement (mm, up)")
+    lower.set_ylabel(f"displacement ({UP})")
     lower.set_xlabel("time (s)")
     lower.legend(fontsize=8)
     peak, deviation = found.peak

@@ -3,7 +3,7 @@ import dataclasses
 
 import numpy as np
 
-from trackbed_post import read, train_figures
+from trackbed_post import axles, read, train_figures
 from trackbed_post.settlement import laws
 
 
@@ -178,8 +178,7 @@ def axles_of(path):
     every, run = read.datasets(path), read.results(path)
     if "history/wheel/x" not in every:
         return []
-    x = every["history/wheel/x"].values
-    x = x.reshape(len(x), -1)[:, ::2 if "history/seat/force" in every else 1]
+    x = axles.of_wheels(every["history/wheel/x"].values)
     spacing = run.deck["sleepers"]["spacing"]
     level = run.sleeper["displacement"].values
     return [(number + 1, train_figures.under_axles(x[rows], run.sleepers_x,

@@ -1,0 +1,41 @@
+"""Axles of a train, from the histories of the places of its wheels, [time, wheel], front first,
+which are nan beside the track; on two rails each axle has its left wheel before its right one."""
+import numpy as np
+
+SAME = 0.01  # m; axles of equal vehicles are at equal distances up to this
+
+
+def on_two_rails(wheel_x: np.ndarray) -> bool:
+    """Whether both wheels of each axle are listed."""
+    count = wheel_x.shape[1]
+    return count % 2 == 0 and count > 0 and np.array_equal(wheel_x[:, ::2], wheel_x[:, 1::2],
+                                                           equal_nan=True)
+
+
+def of_wheels(wheel_x: np.ndarray) -> np.ndarray:
+    """x of the axles, [time, axle]."""
+    x = wheel_x.reshape(len(wheel_x), -1)
+    return x[:, ::2] if on_two_rails(x) else x
+
+
+def behind(x: np.ndarray) -> np.ndarray:
+    """Distance of each axle behind the first one, m, of x of axles; ends before an axle that is
+    never on the track together with the one before it."""
+    found = [0.0]
+    for ahead, axle in zip(x.T, x.T[1:]):
+        both = np.isfinite(ahead) & np.isfinite(axle)
+        if not both.any():
+            break
+        found.append(found[-1] + float(np.median(np.abs(ahead - axle)[both])))
+    return np.array(found)
+
+
+def by_vehicle(x: np.ndarray, count: int) -> np.ndarray | None:
+    """The distances behind the first axle, m, [vehicle, axle], of a train of so many vehicles; None
+    if they are not known, or not the same in all vehicles: numbers of axles alone do not tell to
+    which vehicle an axle belongs."""
+    known = behind(x)
+    if not count or len(known) < x.shape[1] or len(known) % count:
+        return None
+    found = known.reshape(count, -1)
+    return found if np.allclose(found - found[:, :1], found[0], rtol=0, atol=SAME) else None
