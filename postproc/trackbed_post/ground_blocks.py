@@ -100,7 +100,8 @@ def structure(results: read.Results) -> tuple[float, float] | None:
 
 
 def edge_of_structure(results: read.Results) -> float | None:
-    """x of the end of the structure that is inside the ground, m; None without one."""
+    """x of the end of the structure that is inside the ground, of two the upper one, m; None without
+    a structure."""
     ends = structure(results)
     if ends is None:
         return None
@@ -109,10 +110,10 @@ def edge_of_structure(results: read.Results) -> float | None:
 
 
 def direction(results: read.Results, edge: float) -> int:
-    """+1 or -1: the direction away from the structure. The soft side is the longer one, so that the
-    structure may be at either end."""
-    distance = results.ground_x - edge
-    return -1 if -np.min(distance) > np.max(distance) else 1
+    """+1 or -1: the direction away from the structure, of which the edge is the upper or the lower
+    end along x."""
+    ends = structure(results)
+    return 1 if ends is None or abs(edge - ends[1]) <= abs(edge - ends[0]) else -1
 
 
 def wedge_length(results: read.Results) -> float:

@@ -119,7 +119,8 @@ def transition(results: read.Results, wedge: float = 0.0) -> Transition | None:
     distance, down, compression = _orderly(results, edge)
     reach = measures.spacing(results)
     smooth = measures.smoothed(distance, down, reach)
-    start = float(np.max(down[distance <= TINY]))
+    low, high = ground_blocks.structure(results) or (edge, edge)
+    start = float(np.max(down[(distance <= TINY) & (distance >= low - high - TINY)]))
     wedge = max(wedge, ground_blocks.wedge_length(results))
     plain = _plain(distance, *ground_blocks.plain_track(results, edge, wedge, reach), reach)
     end = float(np.median(down[plain])) if plain.any() else NOWHERE

@@ -4,7 +4,7 @@ import dataclasses
 import made
 import numpy as np
 import pytest
-from trackbed_post import bed_on_ground, ground_blocks, ground_transition
+from trackbed_post import bed_on_ground, ground_blocks, ground_transition, read
 
 
 def with_blocks(run, *blocks):
@@ -72,3 +72,24 @@ def test_a_structure_in_the_first_run_only_is_no_wedge(runs):
     assert ground_blocks.differ_by_wedge(both, bare)
     assert not ground_blocks.differ_by_wedge(both, with_blocks(runs[0], wedge))
     assert not ground_blocks.differ_by_wedge(bare, bare)
+
+
+@pytest.mark.parametrize("low, high, edge, turn", [
+    (0, 2, 2, 1), (6, 9, 6, -1), (6, 7, 7, 1), (1, 3, 3, 1), (0, 7, 7, 1), (2, 9, 2, -1)])
+def test_distances_are_measured_away_from_the_structure(runs, low, high, edge, turn):
+    run = with_blocks(runs[0], ("structure", 3e10, box(low, high)))
+    assert ground_blocks.edge_of_structure(run) == edge
+    assert ground_blocks.direction(run, edge) == turn
+
+
+def test_a_structure_in_the_middle_is_measured_behind_its_upper_end(runs):
+    run = with_blocks(runs[0], ("structure", 3e10, box(3, 4)))
+    x = run.ground_x
+    down = np.select([x < 3, x <= 4], [5e-3, 0.1e-3], 2e-3)  # the side before is softer
+    envelope = {**run.ground_envelope, "displacement_min": read.Quantity(-down, "m", "-")}
+    found = ground_transition.transition(dataclasses.replace(run, ground_envelope=envelope))
+    assert found.structure_displacement == pytest.approx(0.1e-3)
+    assert found.far_displacement == pytest.approx(2e-3)
+    assert 0 < found.width < 0.5  # averaged over a spacing
+    begin, end = ground_blocks.plain_track(run, 4.0, 0.0, 0.6)
+    assert (begin, end) == pytest.approx((1.2, 5.0))
