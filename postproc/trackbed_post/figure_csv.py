@@ -38,7 +38,10 @@ def _name_of(artist: object, otherwise: str) -> str:
 
 
 def _lines(panel: Axes) -> Rows:
-    for count, line in enumerate(panel.lines, 1):
+    """Lines in the coordinates of the axes; marks and brackets over a whole side of the panel have
+    others."""
+    there = [line for line in panel.lines if line.get_transform() == panel.transData]
+    for count, line in enumerate(there, 1):
         name = _name_of(line, f"line {count}")
         for x, y in zip(line.get_xdata(orig=False), line.get_ydata(orig=False)):
             yield name, x, y, "", ""

@@ -105,9 +105,10 @@ def draw_curve(curve: curves.Curve, panel: Axes, number: int) -> Line2D:
 
 def add_to_legend(panel: Axes, lines: collections.abc.Sequence[Line2D]) -> None:
     """Adds lines to the legend of a panel, or makes one of them alone."""
-    handles, words = panel.get_legend_handles_labels() if panel.get_legend() else \
-        (list(lines), [line.get_label() for line in lines])
-    panel.legend(handles, words, fontsize=7, ncols=2 if len(handles) > 4 else 1, framealpha=0.6)
+    if panel.get_legend():
+        panels.extend_legend(panel, lines)
+    else:
+        panel.legend(handles=list(lines), fontsize=7, framealpha=0.6)
 
 
 class Overlays:

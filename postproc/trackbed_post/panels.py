@@ -1,7 +1,10 @@
 """What panels of several figures have in common: the sign of displacements, lines and markers,
 names of axles, legends that hide no curve."""
+import collections.abc
+
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.transforms import ScaledTranslation
+from matplotlib.transforms import IdentityTransform, ScaledTranslation
 
 LINES = ("-", "--", "-.", ":")  # of runs in turn
 MARKERS = "osv^DP*X"            # of measured curves, or of axles, in turn
@@ -26,3 +29,20 @@ def legend_below(panel: Axes, columns: int = 2, size: float = 8) -> None:
     down = ScaledTranslation(0, -BELOW_LABELS, panel.figure.dpi_scale_trans)
     panel.legend(loc="upper center", bbox_to_anchor=(0.5, 0), ncols=columns, fontsize=size,
                  frameon=False, borderaxespad=0, bbox_transform=panel.transAxes + down)
+
+
+def extend_legend(panel: Axes, more: collections.abc.Sequence[Artist]) -> None:
+    """Adds artists to the legend of a panel, at its place and with its look. The legend may name
+    what another panel of the figure shows."""
+    old = panel.get_legend()
+    shown: dict[str, Artist] = {}
+    for one in (*panel.figure.axes, panel):
+        shown |= {str(words): artist for artist, words in zip(*one.get_legend_handles_labels())}
+    words = [text.get_text() for text in old.get_texts()]
+    drawn = getattr(old, "legend_handles", None) or getattr(old, "legendHandles")
+    handles = [shown.get(word, artist) for word, artist in zip(words, drawn)]
+    new = panel.legend([*handles, *more], [*words, *(str(one.get_label()) for one in more)],
+                       loc=getattr(old, "_loc"), ncols=getattr(old, "_ncols"),
+                       prop=getattr(old, "prop"), frameon=old.get_frame_on(),
+                       borderaxespad=old.borderaxespad)
+    new.set_bbox_to_anchor(old.get_bbox_to_anchor(), IdentityTransform())

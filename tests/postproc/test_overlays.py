@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from test_report import made as track_alone
-from trackbed_post import overlays, read, write
+from trackbed_post import overlays, panels, read, write
 
 
 def two_panels():
@@ -126,3 +126,25 @@ def test_other_commands_lay_curves_over_their_figures_too(tmp_path):
     assert ",track,4.2,-0.9," in (tmp_path / "c/curve_lines.csv").read_text(encoding="utf-8")
     ran = conftest.call(*words, f"curves={path}")
     assert ran.returncode == 2 and "did you mean curve?" in ran.stderr
+
+
+@pytest.mark.parametrize("place", [panels.legend_above, panels.legend_below, None])
+def test_the_legend_stays_where_it_was(tmp_path, place):
+    """`place` None: to the right of the panel, and of what another panel shows."""
+    figure = two_panels()
+    upper, lower = figure.axes
+    lower.plot([0, 1], [2, 3], label="other")
+    if place:
+        place(upper, columns=3)
+    else:
+        upper.legend(*lower.get_legend_handles_labels(), loc="center left", bbox_to_anchor=(1, 0.5))
+    words = [text.get_text() for text in upper.get_legend().get_texts()]
+    path = file_of(tmp_path, "time_s,up_mm\n0,1\n1,2\n")
+    overlays.Overlays([f"sleepers={path}"])("sleepers", figure)
+    figure.canvas.draw()
+    legend, inside = upper.get_legend(), upper.get_window_extent()
+    box = legend.get_window_extent()
+    assert [text.get_text() for text in legend.get_texts()] == [*words, "track"]
+    assert box.y0 >= inside.y1 - 1 or box.y1 <= inside.y0 + 1 or box.x0 >= inside.x1 - 1
+    assert legend.get_frame_on() == (place is None)
+    plt.close(figure)

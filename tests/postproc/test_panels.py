@@ -1,14 +1,16 @@
 """Tests of panels.py and of what it is used for: legends that hide no curve, names of axles, one
 sign of displacements on axes."""
+import csv
+
 import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import test_train
 import test_transition
-from trackbed_post import (axles, bed_histories, bed_on_ground, curves, model_drawing, panels,
-                           stage_histories, support_figure, train_figures, transition,
-                           transition_figures)
+from trackbed_post import (axles, bed_histories, bed_on_ground, curves, figure_csv,
+                           model_drawing, panels, stage_histories, support_figure, train_figures,
+                           train_strip, transition, transition_figures)
 
 
 @pytest.mark.parametrize("wheels, two_rails, names", [
@@ -79,3 +81,17 @@ def test_the_direction_of_travel_is_shown_without_a_vehicle():
     scene.show_direction()
     assert [text.get_text() for text in scene.panel.texts] == [model_drawing.DIRECTION]
     plt.close(figure)
+
+
+def test_marks_and_brackets_are_no_data_of_a_figure(monkeypatch):
+    figure = drawn_transition(monkeypatch)
+    panel = figure.axes[1]
+    train = train_strip.Train(np.arange(5.0), np.arange(5.0)[:, None])
+    train_strip.mark(panel, train, train_strip.Place(2.5, "x = 2.5 m", "C0"))
+    assert sum(line.get_transform() != panel.transData for line in panel.lines) == 4
+    rows = list(csv.DictReader(figure_csv.of_figure(figure).splitlines()))
+    level = [row for row in rows if row["y axis"].startswith("lowest level")]
+    drawn = [line for line in panel.lines if line.get_transform() == panel.transData]
+    assert len(level) == sum(len(line.get_xdata()) for line in drawn)
+    assert max(float(row["y"]) for row in level) <= 0  # brackets have 0.03 and 0.06
+    plt.close("all")
