@@ -1,4 +1,4 @@
-"""One HTML file of a run, or of two side by side: what was modelled, stages, warnings, figures,
+"""One HTML file of a run, or of several side by side: what was modelled, stages, warnings, figures,
 numbers, balances and cost. It needs no other file and can be sent as it is.
 
 The model is drawn by the program; figures and numbers are those of the command `figures`. While a
@@ -162,9 +162,10 @@ def models_of(runs, given):
                      if names else text for text, names in drawn.items())
 
 
-def figures_of(runs, folder, choices):
+def figures_of(runs, folder, choices, last=True):
     """Pictures and numbers of each kind of figure, with measured curves over them, and of each
-    comparison with others."""
+    comparison with others. A figure that curves need may come later; only the last report requires
+    it."""
     curves_over = overlays.Overlays(choices.measured)
     parts = []
     results = [run.folder for run in runs]
@@ -182,7 +183,12 @@ def figures_of(runs, folder, choices):
         parts += [embedded(path) for path in made.pictures]
         parts += [element("pre", text) for text in made.tables]
         parts += [element("p", one) for one in made.remarks]
-    curves_over.require_drawn()
+    try:
+        curves_over.require_drawn()
+    except read.Unreadable as why:
+        if last:
+            raise
+        parts.append(element("p", f"Not drawn yet: {why}"))
     return "\n".join(parts)
 
 
@@ -207,7 +213,7 @@ def page(runs, folder, choices, every=0):
              table(head, side_by_side(runs, facts_of)),
              element("h2", "Models"), models_of(runs, choices.program), *progress_of(runs, folder),
              element("h2", "Warnings"), warnings_of(runs),
-             element("h2", "Figures and numbers"), figures_of(runs, folder, choices)]
+             element("h2", "Figures and numbers"), figures_of(runs, folder, choices, last=not every)]
     for run in runs:
         heading, rows = stages_of(run)
         if rows:
@@ -227,7 +233,7 @@ def page(runs, folder, choices, every=0):
 
 def write_report(results, file, choices=Choices(), every=0):
     """Writes the report of one run or of several, given by their folders. `every`: seconds after
-    which a browser loads it again; 0: never."""
+    which a browser loads it again; 0: never, as it is the last report."""
     runs = [Run(folder) for folder in results]
     kinds.require_comparable([run.deck for run in runs])
     if choices.program:

@@ -18,7 +18,8 @@ class Support:
     bed: np.ndarray        # N/m, secant of the reaction over `lowered`, without the gap
     whole: np.ndarray      # N/m, increase of the reaction over the displacement: all of it
     # m, where the secant of the bed has the first reaction, at least 0; of a sleeper that was not
-    # loaded more than at first its largest displacement, which its gap exceeds.
+    # loaded more than at first its largest displacement, which its gap exceeds. Not known of one
+    # that is not lower at its largest reaction than where the secant begins.
     gap: np.ndarray
 
     @property
@@ -32,9 +33,11 @@ class Support:
         return int(np.count_nonzero(self.hangs))
 
     def words(self) -> str:
-        if np.isnan(self.gap).all():
+        unknown = int(np.count_nonzero(np.isnan(self.gap)))
+        if np.isnan(self.lowered).all():
             return "gaps are not known without the histories of the ground"
-        return f"{self.hanging} of {len(self.gap)} have a gap above {1e3 * HANGS:g} mm"
+        return (f"{self.hanging} of {len(self.gap)} have a gap above {1e3 * HANGS:g} mm"
+                + (f", of {unknown} it is not known" if unknown else ""))
 
 
 def of(results: read.Results) -> Support:
@@ -64,6 +67,8 @@ def of(results: read.Results) -> Support:
         if (pressed := lowered[most, k] - begin) > 0:
             found.bed[k] = (1 - SECANT) * increase / pressed
             found.gap[k] = max(begin - SECANT * increase / found.bed[k], 0.0)
+        else:
+            found.gap[k] = measures.NOWHERE
     return found
 
 
@@ -79,11 +84,12 @@ def summary(run: read.Results) -> str:
 
 
 def table(runs: collections.abc.Iterable[read.Results]) -> str:
-    """CSV, a row for each sleeper of each run; hangs: 1 or 0."""
+    """CSV, a row for each sleeper of each run; hangs: 1 or 0, empty if the gap is not known."""
     lines = ["run,x_m,bed_N_m,bed_and_ground_N_m,gap_m,hangs"]
     for run in runs:
         found = of(run)
-        lines += [f"{run.name},{x:.9g},{bed:.6g},{whole:.6g},{gap:.6g},{int(hangs)}"
+        lines += [f"{run.name},{x:.9g},{bed:.6g},{whole:.6g},{gap:.6g},"
+                  f"{'' if np.isnan(gap) else int(hangs)}"
                   for x, bed, whole, gap, hangs in zip(run.sleepers_x, found.bed, found.whole,
                                                        found.gap, found.hangs)]
     return "\n".join(lines) + "\n"

@@ -191,6 +191,8 @@ def test_support_is_relative_to_the_ground(runs):
     unknown = dataclasses.replace(bare, deck={**run.deck, "ground": {"present": True}})
     assert np.isnan(support.of(unknown).gap).all() and np.isnan(support.of(unknown).bed).all()
     assert "not known" in support.summary(unknown)
+    rows = list(csv.DictReader(support.table([unknown]).splitlines()))
+    assert {(row["gap_m"], row["hangs"]) for row in rows} == {("nan", "")}
 
 
 def test_a_sleeper_that_never_touches_the_stones_hangs(runs):
@@ -202,6 +204,20 @@ def test_a_sleeper_that_never_touches_the_stones_hangs(runs):
     found = support.of(run)
     assert found.gap == pytest.approx(1e-3, rel=1e-3) and found.hanging == len(run.sleepers_x)
     assert np.isnan(found.bed).all()
+
+
+def test_a_sleeper_that_rises_while_it_is_loaded_has_no_known_gap(runs):
+    run = runs[0]
+    time = np.clip(run.time - run.time[run.passage()][0], 0, None)
+    way = np.repeat(1e-3 * np.cos(time)[:, None], len(run.sleepers_x), axis=1)  # lowest at first
+    way -= way[0]
+    reaction = 2e3 + 1e3 * np.repeat(time[:, None], len(run.sleepers_x), axis=1)
+    reaction[:, 0] = 2e3
+    found = support.of(dataclasses.replace(with_support(run, way + 5e-3, reaction), ground={}))
+    assert np.isnan(found.gap[1:]).all() and not found.hangs[1:].any()
+    assert np.isfinite(found.gap[0])  # not loaded
+    assert found.words() == f"0 of {len(way[0])} have a gap above 0.1 mm, of {len(way[0]) - 1} it " \
+        "is not known"
 
 
 def test_directions_that_turn_over_are_not_joined():

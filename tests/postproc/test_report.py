@@ -255,6 +255,20 @@ def test_progress_of_runs_that_ended(tmp_path):
     assert "http-equiv" not in path.read_text(encoding="utf-8")
 
 
+def test_a_curve_over_a_figure_that_comes_later_is_a_remark(tmp_path):
+    """The run computes at first; when it has ended, the figure is required."""
+    one = made(tmp_path / "one", ended=False)
+    events(one)
+    (tmp_path / "a.csv").write_text("time_s,up_mm\n0,1\n1,2\n", encoding="utf-8")
+    path = tmp_path / "report.html"
+    choices = report.Choices(measured=(f"later={tmp_path / 'a.csv'}",))
+    report.write_report([one], path, choices, every=1)
+    text = path.read_text(encoding="utf-8")
+    assert "Not drawn yet: later=" in text and "there is no figure later with lines" in text
+    with pytest.raises(read.Unreadable, match="there is no figure later"):
+        report.write_report([one], path, choices)
+
+
 def test_the_report_follows_a_run_until_it_ends(tmp_path):
     one = made(tmp_path / "one", ended=False)
     events(one)
