@@ -22,7 +22,8 @@ UNITS = {"_m_s2": (1.0, "m/s2"), "_g": (9.80665, "m/s2"), "_mm_s2": (1e-3, "m/s2
          "_um": (1e-6, "m"), "_N": (1.0, "N"), "_kN": (1e3, "N"), "_s": (1.0, "s"),
          "_ms": (1e-3, "s"), "_Pa": (1.0, "Pa"), "_kPa": (1e3, "Pa"), "_MPa": (1e6, "Pa"),
          "_Hz": (1.0, "Hz"), "_J": (1.0, "J"), "_kN_mm": (1e6, "N/m"), "_MN_m": (1e6, "N/m"),
-         "_mm_m": (1e-3, "1"), "_degrees": (1.0, "degrees"), "_%": (0.01, "1"), "_1": (1.0, "1")}
+         "_m_N": (1.0, "m/N"), "_mm_m": (1e-3, "1"), "_degrees": (1.0, "degrees"),
+         "_%": (0.01, "1"), "_1": (1.0, "1")}
 TIMES = {"time_s": 1.0, "time_ms": 1e-3}
 GAP = 1.5  # median steps: samples are missing
 CLIPPED = 3  # equal samples in a row at the largest or smallest value

@@ -17,6 +17,7 @@ from trackbed_post import curves, figure_csv, measured, panels, read
 UNITS = {ending[1:].replace("_", "/"): si for ending, si in measured.UNITS.items()}
 STATED = re.compile(r"[,(]\s*(" + "|".join(map(re.escape, sorted(UNITS, key=len, reverse=True)))
                     + r")(?![\w/])")
+ANY = re.compile(r"[,(]([^,()]*)")  # where a label states a unit
 DENSE = 100  # points of a curve; with more it is a dotted line
 
 
@@ -42,9 +43,13 @@ def of_text(text: str) -> Overlay:
 
 
 def unit_of_label(label: str) -> tuple[float, str]:
-    """(factor to SI, SI unit) of an axis; of one without a unit (1, "1")."""
-    found = STATED.search(label.replace("^", ""))
-    return UNITS[found[1]] if found else (1.0, "1")
+    """(factor to SI, SI unit) of an axis; (1, "1") of one without a unit, (1, what it states) of
+    one with an unknown unit."""
+    label = label.replace("^", "")
+    if found := STATED.search(label):
+        return UNITS[found[1]]
+    unknown = [text for one in ANY.findall(label) if (text := one.strip()) not in ("", "-")]
+    return 1.0, unknown[-1] if unknown else "1"
 
 
 def name_of(number: int, panel: Axes) -> str:

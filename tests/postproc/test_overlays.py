@@ -30,6 +30,8 @@ def file_of(folder, text, name="track.csv"):
     ("stiffness of the support (kN/mm)", (1e6, "N/m")), ("passing (% of mass)", (0.01, "1")),
     ("acceleration (m/s2) 100 Hz Butterworth, zero phase", (1.0, "m/s2")),
     ("acceleration, m/s^2", (1.0, "m/s2")), ("s = (s1 + s3)/2 (kPa)", (1e3, "Pa")),
+    ("receptance, m/N", (1.0, "m/N")), ("level, dB re 1e-06 m/s2", (1.0, "dB re 1e-06 m/s2")),
+    ("bulk density (kg/m3)", (1.0, "kg/m3")), ("porosity (-)", (1.0, "1")),
     ("void ratio", (1.0, "1")), ("time, s", (1.0, "s")), ("acceleration (g)", (9.80665, "m/s2"))])
 def test_units_are_those_that_axes_state(label, found):
     assert overlays.unit_of_label(label) == found
@@ -79,6 +81,15 @@ def test_what_cannot_be_drawn_is_said(tmp_path):
     for text in ("sleepers", f"={path}", f"sleepers:0={path}", f"sleepers:a={path}"):
         with pytest.raises(read.Unreadable, match="give FIGURE=FILE.csv"):
             overlays.of_text(text)
+
+
+def test_an_axis_with_an_unknown_unit_takes_no_curve_without_unit(tmp_path):
+    path = file_of(tmp_path, "frequency_Hz,level_1\n0,1\n1,2\n")
+    figure, panel = plt.subplots()
+    panel.plot([0, 1], [1, 2])
+    panel.set(xlabel="frequency, Hz", ylabel="third octaves, dB re 1e-06 m/s2")
+    assert "no panel of octaves has these units" in problem_of("octaves", figure,
+                                                               f"octaves={path}")
 
 
 def test_a_panel_is_chosen_by_its_number(tmp_path):
