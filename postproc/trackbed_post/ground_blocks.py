@@ -100,8 +100,8 @@ def structure(results: read.Results) -> tuple[float, float] | None:
 
 
 def edge_of_structure(results: read.Results) -> float | None:
-    """x of the end of the structure that is inside the ground, of two the upper one, m; None without
-    a structure."""
+    """x of the end of the structure that is inside the ground, of two the upper one, m; None
+    without a structure."""
     ends = structure(results)
     if ends is None:
         return None

@@ -213,7 +213,8 @@ def page(runs, folder, choices, every=0):
              table(head, side_by_side(runs, facts_of)),
              element("h2", "Models"), models_of(runs, choices.program), *progress_of(runs, folder),
              element("h2", "Warnings"), warnings_of(runs),
-             element("h2", "Figures and numbers"), figures_of(runs, folder, choices, last=not every)]
+             element("h2", "Figures and numbers"),
+             figures_of(runs, folder, choices, last=not every)]
     for run in runs:
         heading, rows = stages_of(run)
         if rows:

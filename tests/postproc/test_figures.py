@@ -216,8 +216,7 @@ def test_a_sleeper_that_rises_while_it_is_loaded_has_no_known_gap(runs):
     found = support.of(dataclasses.replace(with_support(run, way + 5e-3, reaction), ground={}))
     assert np.isnan(found.gap[1:]).all() and not found.hangs[1:].any()
     assert np.isfinite(found.gap[0])  # not loaded
-    assert found.words() == f"0 of {len(way[0])} have a gap above 0.1 mm, of {len(way[0]) - 1} it " \
-        "is not known"
+    assert found.words() == "0 of 15 have a gap above 0.1 mm, of 14 it is not known"
 
 
 def test_directions_that_turn_over_are_not_joined():
