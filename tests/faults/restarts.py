@@ -38,6 +38,12 @@ def windows_of(report):
     return found
 
 
+def start_of_load(deck, length):
+    """The override by which the first axle comes to the first sleeper within `length` s."""
+    way = deck["load"].get("speed", 0) * length / 2
+    return f"load.start={deck['sleepers']['first'] - min(0.01, way or 0.01):.6g}"
+
+
 def shortened(program, path, given):
     """Overrides by which the deck takes few windows."""
     with open(path, "rb") as file:
@@ -60,11 +66,11 @@ def shortened(program, path, given):
         if not stage.get("duration"):  # as long as axles pass
             words += [f"{key}.cycles=0", f"{key}.duration=2e-3", f"{key}.settlement=0"]
             if "load" in deck and not stage.get("train"):
-                words.append(f"load.start={deck['sleepers']['first'] - 0.01}")
+                words.append(start_of_load(deck, 2e-3))
             continue
         length = stage["duration"] * min(1.0, WINDOWS / windows)
         if kind == "passage" and "load" in deck and not stage.get("train"):
-            words.append(f"load.start={deck['sleepers']['first'] - 0.01}")
+            words.append(start_of_load(deck, length))
         words.append(f"{key}.duration={length:.6g}")
         if "growth" in stage:
             words.append(f"{key}.growth=0")  # in a few windows stones would grow too fast
