@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The second command: installs what is missing (Debian 12), builds everything and runs the tests.
-#   tests/run.sh [PRESET] [long] [ctest option...]   PRESET: release (default), debug, sanitize or thread
+#   tests/run.sh [PRESET] [long] [ctest option...]
+# PRESET: release (default), debug, sanitize or thread
 # e.g. `tests/run.sh sanitize -R _test_on_`, `tests/run.sh release -R style`. `long`: the tests that
 # the other call leaves out, with the wall time of each.
 source "$(dirname "${BASH_SOURCE[0]}")/../jobs/common.sh"
