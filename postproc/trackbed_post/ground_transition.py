@@ -69,13 +69,16 @@ def _plain(distance: np.ndarray, begin: float, end: float, reach: float) -> np.n
     return (distance >= begin - TINY) & (distance <= end + TINY)
 
 
-def _slopes(distance: np.ndarray, smooth: np.ndarray, plain: np.ndarray,
-            reach: float) -> tuple[float, float, float, float]:
+def _slopes(distance: np.ndarray, smooth: np.ndarray, plain: np.ndarray, reach: float,
+            length: float) -> tuple[float, float, float, float]:
     """Steepest slope and its position, then the steepest within one spacing of the edge and that on
-    plain track. The ends, where the mean over a spacing is truncated, are omitted."""
+    plain track. `length` of the structure, m: the ground before it is not of this transition. The
+    ends, where the mean over a spacing is truncated, are omitted."""
     slope = np.abs(np.gradient(smooth, distance))
-    whole = ((distance >= distance[0] + reach / 2 - TINY)
-             & (distance <= distance[-1] - reach / 2 + TINY))
+    begin = distance[0] + reach / 2
+    if distance[0] < -length - TINY:  # soft ground before the structure
+        begin = reach - length
+    whole = (distance >= begin - TINY) & (distance <= distance[-1] - reach / 2 + TINY)
     where = np.flatnonzero(whole)[np.argmax(slope[whole])]
     at_edge = np.max(slope[np.abs(distance) <= reach + TINY])
     return (float(slope[where]), float(distance[where]), float(at_edge),
@@ -124,7 +127,7 @@ def transition(results: read.Results, wedge: float = 0.0) -> Transition | None:
     wedge = max(wedge, ground_blocks.wedge_length(results))
     plain = _plain(distance, *ground_blocks.plain_track(results, edge, wedge, reach), reach)
     end = float(np.median(down[plain])) if plain.any() else NOWHERE
-    steepest, where, at_edge, on_plain = _slopes(distance, smooth, plain, reach)
+    steepest, where, at_edge, on_plain = _slopes(distance, smooth, plain, reach, high - low)
     before, behind = _beside(distance, compression, 0.0, reach)
     sleeper, residual = results.sleeper_envelope.get("displacement_min"), \
         measures.residual_displacement(results)

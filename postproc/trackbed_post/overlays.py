@@ -141,15 +141,21 @@ class Overlays:
             if lines:
                 add_to_legend(panel, lines)
 
-    def require_drawn(self) -> None:
-        """Ends the command if a curve could not be drawn."""
+    def missing(self) -> list[str]:
+        """Curves whose figure was not drawn. A run that computes may still get it."""
         known = [name for name, has_lines in self.figures.items() if has_lines]
+        found = []
         for overlay in self.overlays:
             if not self.figures.get(overlay.figure):
                 near = difflib.get_close_matches(overlay.figure, known, 1)
-                self.problems.append(
+                found.append(
                     f"{overlay.text}: there is no figure {overlay.figure} with lines"
                     f"{f', did you mean {near[0]}?' if near else '.'} The figures with lines are "
                     f"{', '.join(known) or 'none'}")
-        if self.problems:
-            raise read.Unreadable("\n".join(dict.fromkeys(self.problems)))
+        return found
+
+    def require_drawn(self, missing: bool = True) -> None:
+        """Ends the command if a curve could not be drawn; `missing`: also for want of a figure."""
+        problems = [*self.problems, *(self.missing() if missing else ())]
+        if problems:
+            raise read.Unreadable("\n".join(dict.fromkeys(problems)))

@@ -35,14 +35,20 @@ def extend_legend(panel: Axes, more: collections.abc.Sequence[Artist]) -> None:
     """Adds artists to the legend of a panel, at its place and with its look. The legend may name
     what another panel of the figure shows."""
     old = panel.get_legend()
-    shown: dict[str, Artist] = {}
-    for one in (*panel.figure.axes, panel):
-        shown |= {str(words): artist for artist, words in zip(*one.get_legend_handles_labels())}
     words = [text.get_text() for text in old.get_texts()]
+    own, labels = panel.get_legend_handles_labels()
     drawn = getattr(old, "legend_handles", None) or getattr(old, "legendHandles")
-    handles = [shown.get(word, artist) for word, artist in zip(words, drawn)]
+    if labels == words:  # also where two have the same label
+        handles = own
+    else:
+        shown: dict[str, Artist] = {}
+        for one in (*panel.figure.axes, panel):
+            shown |= {str(label): artist
+                      for artist, label in zip(*one.get_legend_handles_labels())}
+        handles = [shown.get(word, artist) for word, artist in zip(words, drawn)]
     new = panel.legend([*handles, *more], [*words, *(str(one.get_label()) for one in more)],
                        loc=getattr(old, "_loc"), ncols=getattr(old, "_ncols"),
                        prop=getattr(old, "prop"), frameon=old.get_frame_on(),
-                       borderaxespad=old.borderaxespad)
+                       framealpha=old.get_frame().get_alpha(), borderaxespad=old.borderaxespad,
+                       title=old.get_title().get_text() or None)
     new.set_bbox_to_anchor(old.get_bbox_to_anchor(), IdentityTransform())

@@ -162,11 +162,9 @@ def models_of(runs, given):
                      if names else text for text, names in drawn.items())
 
 
-def figures_of(runs, folder, choices, last=True):
+def figures_of(runs, folder, choices, curves_over):
     """Pictures and numbers of each kind of figure, with measured curves over them, and of each
-    comparison with others. A figure that curves need may come later; only the last report requires
-    it."""
-    curves_over = overlays.Overlays(choices.measured)
+    comparison with others. A figure that curves need may come later."""
     parts = []
     results = [run.folder for run in runs]
     every = [*kinds.parts_of(results, kinds.of_deck(runs[0].deck)),
@@ -183,12 +181,8 @@ def figures_of(runs, folder, choices, last=True):
         parts += [embedded(path) for path in made.pictures]
         parts += [element("pre", text) for text in made.tables]
         parts += [element("p", one) for one in made.remarks]
-    try:
-        curves_over.require_drawn()
-    except read.Unreadable as why:
-        if last:
-            raise
-        parts.append(element("p", f"Not drawn yet: {why}"))
+    curves_over.require_drawn(missing=False)
+    parts += [element("p", f"Not drawn: {why}") for why in curves_over.missing()]
     return "\n".join(parts)
 
 
@@ -206,7 +200,7 @@ def progress_of(runs, folder):
     return parts
 
 
-def page(runs, folder, choices, every=0):
+def page(runs, folder, choices, curves_over, every=0):
     """`every`: seconds after which a browser loads the document again; 0: never."""
     head = ["", *(run.name for run in runs)]
     parts = [element("h1", " and ".join(run.name for run in runs)),
@@ -214,7 +208,7 @@ def page(runs, folder, choices, every=0):
              element("h2", "Models"), models_of(runs, choices.program), *progress_of(runs, folder),
              element("h2", "Warnings"), warnings_of(runs),
              element("h2", "Figures and numbers"),
-             figures_of(runs, folder, choices, last=not every)]
+             figures_of(runs, folder, choices, curves_over)]
     for run in runs:
         heading, rows = stages_of(run)
         if rows:
@@ -244,7 +238,10 @@ def write_report(results, file, choices=Choices(), every=0):
         curves.of_run(runs[0].folder, quantity)
     write.folder(file.resolve().parent)
     with tempfile.TemporaryDirectory() as folder:
-        write.whole(file, page(runs, pathlib.Path(folder), choices, every).encode())
+        curves_over = overlays.Overlays(choices.measured)
+        text = page(runs, pathlib.Path(folder), choices, curves_over, every)
+        write.whole(file, text.encode())
+    curves_over.require_drawn(missing=not every)  # once the report is written
 
 
 def follow(results, file, choices, every):

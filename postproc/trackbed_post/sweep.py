@@ -175,8 +175,8 @@ def require_same_deck(step):
         found = json.loads(stored.read_text(encoding="utf-8")) if stored.is_file() else {}
         if {"before": [], **found} != now:  # older files do not have the runs before
             raise read.Unreadable(f"{step.folder} holds a run of another deck, of other values or "
-                                  "after other runs before it: choose another folder (-o), or "
-                                  "remove it")
+                                  "after other runs before it (or does not state them): choose "
+                                  "another folder (-o), or remove it")
     write.folder(step.folder)
     write.whole(stored, json.dumps(now).encode())
 

@@ -121,7 +121,7 @@ def numbers(passing):
         found["left minus right seat height of a sleeper, largest"] = (1e3 * lean.max(), "mm")
         found["left minus right seat height of a sleeper, smallest"] = (1e3 * lean.min(), "mm")
     found["rail above the sleepers, largest downward displacement"] = (
-        -1e3 * passing.rail.min(), "mm")
+        1e3 * (passing.rail[passing.first] - passing.rail).max(), "mm")
     left = -1e3 * passing.left
     residual = "residual downward displacement of sleepers, ground included"
     found[f"{residual}, mean"] = (left.mean(), "mm")

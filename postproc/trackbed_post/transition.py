@@ -42,9 +42,9 @@ class Train:
         """Of each sleeper into the bed: relative to the ground below it, which still vibrates when
         the train has left."""
         lowered = measures.ground_lowered(self.run)
-        first = np.searchsorted(self.run.time[self.run.passage()],
-                                self.passing.time[self.passing.first])
-        return -self.passing.left - (lowered[-1] - lowered[first])
+        first, last = np.searchsorted(self.run.time[self.run.passage()],
+                                      self.passing.time[[self.passing.first, -1]])
+        return -self.passing.left - (lowered[last] - lowered[first])
 
     def largest_force(self):
         """x, m, and the largest force of any wheel there, N, along the bed."""

@@ -278,11 +278,14 @@ namespace {
 
 // The meaning of the numbers in history/stage, by the conventions of CF (section 3.5).
 void name_stages(io::File& file, const std::vector<std::string>& names) {
-  if (names.empty() || file.has_attribute("history/stage", "flag_values")) return;
+  const std::string meanings = fmt::format("{}", fmt::join(names, " "));
+  const bool known = file.has_attribute("history/stage", "flag_meanings") &&
+                     file.text_attribute("history/stage", "flag_meanings") == meanings;
+  if (names.empty() || known) return;  // a resume may have other names of later stages
   std::vector<std::int64_t> numbers(names.size());
   std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
   file.attribute("history/stage", "flag_values", numbers);
-  file.attribute("history/stage", "flag_meanings", fmt::format("{}", fmt::join(names, " ")));
+  file.attribute("history/stage", "flag_meanings", meanings);
 }
 
 // Columns that were not sampled have width 0 and no dataset; a new dataset gets its axes. All ranks

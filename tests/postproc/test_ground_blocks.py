@@ -91,5 +91,6 @@ def test_a_structure_in_the_middle_is_measured_behind_its_upper_end(runs):
     assert found.structure_displacement == pytest.approx(0.1e-3)
     assert found.far_displacement == pytest.approx(2e-3)
     assert 0 < found.width < 0.5  # averaged over a spacing
+    assert abs(found.steepest_x - 4.0) < 0.4
     begin, end = ground_blocks.plain_track(run, 4.0, 0.0, 0.6)
     assert (begin, end) == pytest.approx((1.2, 5.0))

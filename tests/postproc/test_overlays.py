@@ -117,7 +117,8 @@ def test_figures_and_report_lay_curves_over_a_figure(tmp_path):
                          f"track={path}").returncode == 0
     page.unlink()
     ran = conftest.call("report", run, "-o", page, "--measured", f"trak={path}")
-    assert ran.returncode == 2 and "did you mean track?" in ran.stderr and not page.exists()
+    assert ran.returncode == 2 and "did you mean track?" in ran.stderr
+    assert "Not drawn: trak=" in page.read_text(encoding="utf-8"), "the rest is not lost"
 
 
 def test_a_folder_draws_over_each_figure_before_it_is_written(tmp_path):

@@ -264,9 +264,10 @@ def test_a_curve_over_a_figure_that_comes_later_is_a_remark(tmp_path):
     choices = report.Choices(measured=(f"later={tmp_path / 'a.csv'}",))
     report.write_report([one], path, choices, every=1)
     text = path.read_text(encoding="utf-8")
-    assert "Not drawn yet: later=" in text and "there is no figure later with lines" in text
+    assert "Not drawn: later=" in text and "there is no figure later with lines" in text
     with pytest.raises(read.Unreadable, match="there is no figure later"):
         report.write_report([one], path, choices)
+    assert "http-equiv" not in path.read_text(encoding="utf-8"), "the last report is written"
 
 
 def test_the_report_follows_a_run_until_it_ends(tmp_path):

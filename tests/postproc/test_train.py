@@ -129,3 +129,21 @@ def test_the_row_before_the_train_is_the_last_one_far_from_the_bed():
     assert train_figures.row_before_train(x, 0.0) == 2
     assert train_figures.row_before_train(x, -9.0) == 0       # starts on the bed
     assert train_figures.row_before_train(x, 50.0) == 0       # never comes
+
+
+def test_levels_of_a_train_count_from_the_row_before_it():
+    """Sleepers and rail move while the train is far: it is no effect of the train."""
+    time = np.arange(6.0)
+    x = np.array([-9.0, -6.0, -3.5, 0.0, 0.6, 5.0])
+    sleeper = np.array([0.0, 3e-4, 5e-4, -1e-3, -2e-3, 1e-4])[:, None] + np.zeros((6, 2))
+    every = {f"history/{name}": read.Quantity(values, "m", "") for name, values in (
+        ("wheel/x", x[:, None]), ("wheel/force", np.full((6, 1), 5e4)),
+        ("rail/displacement", 2 * sleeper), ("sleeper/displacement", sleeper))}
+    run = types.SimpleNamespace(name="made", time=time, sleepers_x=np.array([0.0, 0.6]),
+                                deck={"sleepers": {"spacing": 0.6}})
+    passing = train_figures.Passing(run, every)
+    assert passing.first == 2
+    assert passing.left == pytest.approx(-4e-4)
+    assert passing.lowest[0] == pytest.approx([-2.5e-3, -2.5e-3])
+    found = train_figures.numbers(passing)
+    assert found["rail above the sleepers, largest downward displacement"][0] == pytest.approx(5.0)

@@ -103,10 +103,10 @@ def main():
         folder = root / f"stopped_{windows}"
         program.done(RANKS_OF_STOPPED, "run", deck, *overrides, f"output.stop_after={windows}",
                      "-o", folder, code=3)
-        first = summary(folder)["wall_time_s"]
+        first_part = summary(folder)["wall_time_s"]
         program.done(RANKS_OF_RESUMED[number % 2], "resume", folder)
         compare(reference, folder, f"stopped after {windows} windows")
-        require_time_of_all_parts(folder, first)
+        require_time_of_all_parts(folder, first_part)
     folder = root / "started"
     program.done(2, "run", deck, *overrides, f"start={reference / 'stage_sleepers.h5'}", "-o",
                  folder)

@@ -174,13 +174,17 @@ def checks(course, deck):
 
 def axles_of(path):
     """[(number of the train, lowest displacement of each sleeper under each axle [axle, sleeper],
-    m, relative to the first row with the train)] of all trains with wheels in the histories."""
+    m, relative to the row before the train)] of all trains with wheels in the histories."""
     every, run = read.datasets(path), read.results(path)
     if "history/wheel/x" not in every:
         return []
     x = axles.of_wheels(every["history/wheel/x"].values)
     spacing = run.deck["sleepers"]["spacing"]
     level = run.sleeper["displacement"].values
-    return [(number + 1, train_figures.under_axles(x[rows], run.sleepers_x,
-                                                  level[rows] - level[rows][0], spacing))
-            for number, rows in enumerate(train_figures.rows_of_trains(x))]
+    found = []
+    for number, rows in enumerate(train_figures.rows_of_trains(x)):
+        first = train_figures.row_before_train(x[rows][:, 0], run.sleepers_x[0])
+        moved = level[rows] - level[rows][first]
+        found.append((number + 1, train_figures.under_axles(x[rows], run.sleepers_x, moved,
+                                                           spacing)))
+    return found

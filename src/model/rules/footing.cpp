@@ -261,8 +261,7 @@ void FootingParameters::declare(input::Section& s) {
 }
 
 // On a ground the sleepers are as large as the areas that they load, without the factors of zones.
-// Without one, sleepers that do
-// not bend have the default width and height of those that do.
+// Without a ground, sleepers that do not bend have the default width and height of those that do.
 observe::TrackShape shape_of_track(const Model& model) {
   const track::TrackParameters& track = model.track.line.track;
   observe::TrackShape shape{.width = track.sleeper.width,
