@@ -18,11 +18,16 @@ def formats(text: str) -> tuple[str, ...]:
     return chosen
 
 
-def noise(text: str) -> float:
+def _number(text: str) -> float:
+    """Not a number for other words."""
     try:
-        value = float(text)
+        return float(text)
     except ValueError:
-        value = math.nan
+        return math.nan
+
+
+def noise(text: str) -> float:
+    value = _number(text)
     if not 0 <= value < math.inf:
         raise argparse.ArgumentTypeError(f"{text}: must be 0 or more, m/s2")
     return value
@@ -70,20 +75,14 @@ def count(text: str) -> int:
 
 
 def positive(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+    value = _number(text)
     if not 0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"{text}: must be a number above 0")
     return value
 
 
 def finite(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+    value = _number(text)
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"{text}: must be a number")
     return value
