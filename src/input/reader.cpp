@@ -210,6 +210,7 @@ void Reader::keep_default(std::string_view name, const Node& value) {
 // Skipped if a value that it uses was rejected, so that one error causes one message.
 void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
                   const About& about) {
+  note_early_reads(name, about);
   if (holds || has_rejected(about)) return;
   // A rule refers to its value if the file has one, else to the section; a default, which is never
   // from the command line, is shown too.
@@ -227,6 +228,16 @@ void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
   // The parameter counts as rejected, so that other rules that use it do not report the same
   // problem.
   problem(place.node, path_of(name), rest);
+}
+
+// A rule about a parameter that is declared later would see its default. `leave` refuses it.
+void Reader::note_early_reads(std::string_view rule, const About& about) {
+  Frame& frame = open_.back();
+  for (const std::string& read : about.reads) {
+    const std::string first = read.substr(0, read.find_first_of(".["));
+    if (std::find(frame.known.begin(), frame.known.end(), first) == frame.known.end())
+      frame.early.emplace(first, rule);
+  }
 }
 
 // A rejected value keeps its default: rules that use it would mislead. A path covers everything

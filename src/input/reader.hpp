@@ -56,6 +56,7 @@ class Reader : public Section {
     const Node* node = nullptr;      // null: not in the file
     std::vector<std::string> known;  // names looked up
     std::size_t problems_before = 0;
+    std::map<std::string, std::string> early = {};  // name not looked up yet -> rule that reads it
   };
   // An unknown name. Its suggestion is made after the visit, when all sections of the deck's model
   // are known.
@@ -71,6 +72,7 @@ class Reader : public Section {
   std::string path_of(std::string_view name) const;
   void problem(const Node* place, const std::string& path, const std::string& rest);
   bool has_rejected(const About& about) const;
+  void note_early_reads(std::string_view rule, const About& about);
   // Of a parameter that the file does not set, for rules about it.
   void keep_default(std::string_view name, const Node& value);
   // "dem.skin = 5 must be ..."

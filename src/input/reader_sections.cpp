@@ -10,6 +10,7 @@
 #include <cctype>
 
 #include "input/reader.hpp"
+#include "trackbed/core/error.hpp"
 
 namespace trackbed::input {
 
@@ -62,6 +63,11 @@ void Reader::enter_element(std::size_t index) {
 void Reader::leave() {
   const Frame frame = std::move(open_.back());
   open_.pop_back();
+  for (const std::string& name : frame.known)
+    if (const auto early = frame.early.find(name); early != frame.early.end())
+      require(false, fmt::format("the rule about {} reads {}, which is declared after it",
+                                 early->second, name)
+                         .c_str());
   // A list has no names of its own: each of its elements is a frame that is left by itself.
   if (frame.node != nullptr && frame.node->is_table()) report_unknown(frame);
 }

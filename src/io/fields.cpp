@@ -46,12 +46,24 @@ void write_count(File& file, const std::string& name, std::size_t count, const c
   file.write<std::int64_t>(at(name), std::span(&value, 1), 1, {"-", meaning});
 }
 
+// Pictures need no more digits than a float has (7: 0.01 mm of 100 m), and it halves the files.
+template <class T>
+void write_as(File& file, const std::string& name, std::span<const double> values,
+              std::size_t columns, const Label& label) {
+  const std::vector<T> converted(values.begin(), values.end());
+  file.write<T>(at(name), converted, columns, label);
+}
+
 void write_data(File& file, const std::string& group, const std::vector<FieldData>& fields,
                 std::size_t rows) {
   for (const FieldData& field : fields) {
     require(field.values.size() == rows * field.columns,
             "a field has one row for each point or cell of its grid");
-    file.write<double>(at(group + "/" + field.name), field.values, field.columns, field.label);
+    const std::string name = group + "/" + field.name;
+    if (field.numbers)
+      write_as<std::int64_t>(file, name, field.values, field.columns, field.label);
+    else
+      write_as<float>(file, name, field.values, field.columns, field.label);
   }
 }
 
@@ -102,12 +114,12 @@ void write_fields(const par::Comm& comm, const std::string& path, const Grid& gr
   write_count(file, "NumberOfConnectivityIds", grid.cells.size(), "point numbers of each piece");
   const auto* coordinates = reinterpret_cast<const double*>(grid.points.data());
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
-  file.write<double>(at("Points"), std::span(coordinates, 3 * grid.points.size()), 3,
-                     {"m", "positions"});
+  write_as<float>(file, "Points", std::span(coordinates, 3 * grid.points.size()), 3,
+                  {"m", "positions"});
   write_cells(file, grid, cells);
   write_data(file, "PointData", grid.point_data, grid.points.size());
   write_data(file, "CellData", grid.cell_data, cells);
-  file.close();
+  file.close(Sync::later);  // no run depends on them, and waiting takes as long as writing
 }
 
 }  // namespace trackbed::io

@@ -118,12 +118,14 @@ File::~File() {
 File::File(File&&) noexcept = default;
 File& File::operator=(File&&) noexcept = default;
 
-// Collective; throws where the destructor may not. To be called where data must be on the disk.
-void File::close() {
+// Collective; throws where the destructor may not.
+void File::close(Sync sync) {
   if (!handle_->file) return;
   Hid file = std::move(handle_->file);
-  // The flush also requests that the operating system writes the data to the disk (MPI_File_sync).
-  const bool flushed = handle_->mode == Mode::read || H5Fflush(file.get(), H5F_SCOPE_GLOBAL) >= 0;
+  // The flush also requests that the operating system writes the data to the disk (MPI_File_sync);
+  // the close writes all to the operating system.
+  const bool flushed = handle_->mode == Mode::read || sync == Sync::later ||
+                       H5Fflush(file.get(), H5F_SCOPE_GLOBAL) >= 0;
   const bool closed = file.close();
   trim(*handle_);
   handle_->agree(flushed && closed, "", "cannot be completed");

@@ -67,7 +67,7 @@ void FieldSeries::write_on_root(std::string_view part, const std::function<io::G
 }
 
 TrainGrid::TrainGrid()
-    : wheel_{"wheel", {"-", "number, front first; -1: rail"}, 1, {}},
+    : wheel_{"wheel", {"-", "number, front first; -1: rail"}, 1, {}, true},
       force_{"wheel_force", {"N", "of the wheel on the rail, down positive; 0: rail"}, 1, {}} {}
 
 void TrainGrid::add_cell(io::CellKind kind, const std::vector<Vec3>& corners, double wheel,

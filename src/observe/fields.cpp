@@ -22,7 +22,7 @@ io::Grid stone_shapes(const dem::Particles& particles, double gravity) {
       force{"force", {"N", "sum of the contact forces on the stone"}, 3, {}},
       acceleration{
           "acceleration", {"m/s2", "of the centre of mass in the last sub-step, no filter"}, 3, {}},
-      id{"stone", {"-", "number of the stone"}, 1, {}};
+      id{"stone", {"-", "number of the stone"}, 1, {}, true};
   std::vector<std::int64_t> nodes;
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const dem::ParticleView stone = particles[i];
@@ -84,7 +84,7 @@ io::Grid bond_lines(const dem::Particles& particles) {
   io::FieldData force{"force", {"N", "of the springs, on the first of the two stones"}, 3, {}},
       utilisation{"utilisation", {"-", "largest stress over its strength"}, 1, {}},
       damage{"damage", {"-", "part of the stiffness that is lost"}, 1, {}},
-      kind{"kind", {"-", "number of the [[bond]]"}, 1, {}};
+      kind{"kind", {"-", "number of the [[bond]]"}, 1, {}, true};
   particles.bonds([&](const dem::BondView& bond) {
     const auto first = static_cast<std::int64_t>(grid.points.size());
     grid.points.insert(grid.points.end(), {bond.first_centre, bond.second_centre});
@@ -101,8 +101,12 @@ io::Grid bond_lines(const dem::Particles& particles) {
 io::Grid surface_triangles(const Scene& scene) {
   io::Grid grid;
   grid.kind = io::CellKind::triangle;
-  io::FieldData number{"surface", {"-", "number of the surface"}, 1, {}},
-      part{"part", {"-", "0 wall or floor, 1 plate or box, 2 sleeper, 3 platen, 4 tine"}, 1, {}};
+  io::FieldData number{"surface", {"-", "number of the surface"}, 1, {}, true},
+      part{"part",
+           {"-", "0 wall or floor, 1 plate or box, 2 sleeper, 3 platen, 4 tine"},
+           1,
+           {},
+           true};
   for (std::size_t n = 0; n < scene.surfaces.size(); ++n) {
     const Surface& surface = *scene.surfaces[n].surface;
     const auto first = static_cast<std::int64_t>(grid.points.size());

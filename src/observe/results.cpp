@@ -330,20 +330,20 @@ void Results::Impl::sample_energies(const Scene& scene, bool placed_stones) {
   ColumnWriter to(energy);
   if (scene.ground) put_energies(scene.ground->energies(), to);
   if (!scene.stones) return;
-  const dem::Totals totals = scene.particles.totals();
-  to.put("history/energy/kinetic", {"J", "of the stones"}, totals.kinetic);
-  to.put("history/energy/potential", {"J", "of the stones, zero at z = 0"}, totals.potential);
-  to.put("history/energy/elastic", {"J", "of the stones' contacts"}, totals.elastic);
-  if (!totals.account) return;
+  const dem::Energies energies = scene.particles.energies();
+  to.put("history/energy/kinetic", {"J", "of the stones"}, energies.kinetic);
+  to.put("history/energy/potential", {"J", "of the stones, zero at z = 0"}, energies.potential);
+  to.put("history/energy/elastic", {"J", "of the stones' contacts"}, energies.elastic);
+  if (!energies.account) return;
   to.put("history/energy/friction",
          {"J",
           "dissipated by sliding, torsion and rolling, and by springs of Hertz contacts as they "
           "change, up to now"},
-         totals.account->friction);
+         energies.account->friction);
   to.put("history/energy/contact_damping", {"J", "dissipated by dashpots up to now"},
-         totals.account->contact_damping);
+         energies.account->contact_damping);
   to.put("history/energy/local_damping", {"J", "dissipated by local damping up to now"},
-         totals.account->local_damping);
+         energies.account->local_damping);
   const dem::BreakTotals broken = scene.particles.broken();
   const double bonds = scene.bonds ? scene.particles.bonded().released : 0;
   to.put("history/energy/breakage",
@@ -352,7 +352,7 @@ void Results::Impl::sample_energies(const Scene& scene, bool placed_stones) {
   // Placed stones and surfaces are driven: their histories have the work of all drives.
   if (!placed_stones)
     to.put("history/energy/supplied", {"J", "work of surfaces on the stones up to now"},
-           totals.account->supplied);
+           energies.account->supplied);
 }
 
 // Columns are zero until the sleepers are placed.

@@ -50,13 +50,15 @@ YIELDS = {part: ["ground.plane=strain", f"ground.{part}.0.yield=mohr_coulomb",
 BALL = ["region.0.kind=sphere"]
 CUT = [*SPACE, "stage.sleepers.profile=0.1", "bed.crest=[-0.05, 0.05]"]
 REPEATED = ['periodic=["x"]', "bed.x=[0.0, 0.6]", "ground.x=[0.0, 0.6]"]
+TWO_TRAINS = ["stage.load.kind=passage", "stage.load.train=true", "stage.load.duration=0",
+              "stage.passage.train=true", "train.start=0", "seat.before=10"]
 ON_BED = ["stage.passage.train=true", "train.start=0", "seat.before=10"]
 # Tines cause larger overlaps of stones than other stages.
 TAMPED = ["stage.passage.kind=tamp", "stage.passage.duration=0", "dem.largest_overlap=1",
           *(f"tamping.{name}={value}" for name, value in
             {"gap": 0.07, "closing": 0.03, "thickness": 0.02, "depth": 0.06, "insertion": 0.01,
              "squeeze": 0.01, "withdrawal": 0.01}.items())]
-JUMPED = ["stage.load.settlement=0", "stage.passage.kind=jump", "stage.passage.cycles=12",
+JUMPED = ["stage.load.settlement=0", "stage.load.cycles=8", "stage.passage.kind=jump", "stage.passage.cycles=12",
           "stage.passage.duration=0.6", "stage.passage.load=2e3", "jump.from=load",
           "jump.cycles=4", "jump.period=0.02", "jump.exponent=1"]
 BREAKS = [*SPACE[:1], SPACE[2], "bed.stone=clump",
@@ -105,7 +107,7 @@ KNOBS = {
     "jump.cycles": ("jump.cycles=3", JUMPED),
     "jump.exponent": ("jump.exponent=0", JUMPED),
     "jump.period": ("jump.period=0.03", JUMPED),
-    "jump.least_friction": ("jump.least_friction=0.9", JUMPED),
+    "jump.least_friction": ("jump.least_friction=0.9", [*JUMPED, "stage.passage.cycles=2000"]),
     "bed.stone": ("bed.stone=disk", []),
     "bed.material": ("bed.material=sleeper", ["material.1.density=2000"]),
     "bed.x": ("bed.x=[0.0, 0.45]", []),
@@ -270,6 +272,7 @@ KNOBS = {
     "output.fields": ("output.fields=true", []),
     "output.fields_interval": ("output.fields_interval=0.01", FIELDS),
     "output.histories": ('output.histories=["energy"]', []),
+    "output.fields_stages": ('output.fields_stages=["load"]', FIELDS),
     "output.fields_parts": ('output.fields_parts=["contacts"]', FIELDS),
     "output.ground_extremes": ("output.ground_extremes=true", FIELDS),
     "output.surface_cell": ("output.surface_cell=0.1", []),
@@ -313,6 +316,7 @@ KNOBS = {
     "stage.[].ramp": ("stage.load.ramp=0.002", []),
     "stage.[].cycles": ("stage.load.cycles=1", []),
     "stage.[].train": ("stage.passage.train=false", ON_BED[:2]),
+    "stage.[].rail": ("stage.passage.rail=kept", TWO_TRAINS),
     "stage.[].settlement": ("stage.load.settlement=1", ["stage.load.cycles=4"]),
     "time.window": ("time.window=1e-4", []),
     "time.step": ("time.step=1e-4", []),

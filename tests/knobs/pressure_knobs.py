@@ -55,7 +55,7 @@ REFUSED = {
     "pressure.plate.nam=x": "did you mean pressure[0].name?",
     "pressure.surcharge.name=plate": "pressures need different names",
     "pressure.surcharge.name='a b'": "must be a word",
-    "pressure.plate.thickness=1": "did you mean thickness at the top of the deck?",
+    "pressure.plate.thickness=1": "did you mean thickness at the top of the deck or ground",
     "stage.blow.kind=settle": 'must be "run": a ground alone has no other kind of stage',
     "stage.blow.ground_moves=false": "must be true: nothing else moves",
     "ground.present=false": "must be true for model = \"ground\"",

@@ -30,6 +30,7 @@ struct FieldData {
   Label label;                 // unit and meaning, attributes of the dataset
   std::size_t columns = 1;     // 1, 3, 6 or 9
   std::vector<double> values;  // rows x columns
+  bool numbers = false;        // of parts of the model: written as integers
 };
 
 // The part of this rank: cells refer to its own points. Cells are all of one kind, except where
@@ -49,7 +50,7 @@ struct Grid {
 // Texts that state where a file is from, by their names: attributes of the file.
 using Origin = std::vector<std::pair<std::string, std::string>>;
 
-// Writes `path` (by convention *.hdf). Collective.
+// Writes `path` (by convention *.hdf), positions and data as 32-bit floats. Collective.
 void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid,
                   const Origin& origin = {});
 

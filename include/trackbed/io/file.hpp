@@ -21,13 +21,17 @@ struct Label {
 
 enum class Mode { read, create, append };
 
+// Whether a closed file is on the disk, or only with the operating system, which writes it later: a
+// crash of the machine may lose it, the end of the program does not.
+enum class Sync { to_disk, later };
+
 class File {
  public:
   File(const par::Comm& comm, const std::string& path, Mode mode);
   ~File();  // closes; close() also reports errors
   File(File&&) noexcept;
   File& operator=(File&&) noexcept;
-  void close();
+  void close(Sync sync = Sync::to_disk);
 
   // Writes all ranks' rows, in rank order, as a [rows, columns] dataset ([rows] if columns is 1).
   // T: double, float, std::int64_t, std::uint64_t, std::int32_t, std::int8_t, std::uint8_t.

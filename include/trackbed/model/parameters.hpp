@@ -47,6 +47,10 @@ inline bool has_platen_load(StageKind kind) {
   return kind == StageKind::compact || kind == StageKind::shear || kind == StageKind::triaxial;
 }
 
+// laid: a rail without load on the sleepers as they are; kept: as the last train left it, in
+// equilibrium on the sleepers as they have moved since.
+enum class RailState { laid, kept };
+
 struct Stage {
   std::string name;
   StageKind kind = StageKind::run;
@@ -71,6 +75,7 @@ struct Stage {
   std::int64_t cycles = 0;  // see `declare`
   double settlement = 0;    // m, load, passage: end early once a cycle adds less; 0: never
   bool train = false;       // passage: vehicles on a rail instead of [load]
+  RailState rail = RailState::laid;
   void declare(input::Section& s);
 
  private:
@@ -103,6 +108,8 @@ struct Output : FieldOutput {
   std::vector<std::string> histories{observe::history_parts.begin(), observe::history_parts.end()};
   bool ground_extremes = false;  // keep extremes of the ground's stress over each stage
   double surface_cell = 0.05;    // m, of the heights of the bed at the end of each stage
+  std::vector<std::string> fields_stages = {};  // with fields; empty: all
+  bool has_fields(const Stage& stage) const;
   void declare(input::Section& s);
 };
 
@@ -187,6 +194,7 @@ struct Model {
   bool has_stones() const { return has_bed() || is_placed(); }
   bool has_bed() const { return kind == ModelKind::bed; }
   bool is_placed() const { return kind == ModelKind::stones; }  // stone by stone
+  const char* stones_section() const { return is_placed() ? "stone" : "bed"; }  // of the deck
   bool uses_walls() const;  // or the platen, which has their material
   bool has_solid_rails() const;
   bool uses_sleepers() const;  // places them, or has them in the checkpoint it starts from

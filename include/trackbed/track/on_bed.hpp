@@ -42,14 +42,18 @@ struct TrainOnBedParameters {
   std::vector<Matrix2> mobility = {};
   // Irregularity of the right rail if it differs; its kind is not `same`.
   std::optional<IrregularityParameters> irregularity_right = {};
+  // `levels_without_load` of an earlier train, whose rail is kept: it is in static equilibrium on
+  // the sleepers as they are now. Empty: a rail is laid on them.
+  std::vector<double> kept = {};
 };
 
 // On two rails each sleeper of the bed has two seats, left before right wherever they are listed.
 class TrainOnBed {
  public:
   // The rail is placed on the sleepers at their present heights `levels`, m, one for each seat;
-  // above sleepers in a zone with a gap it lies higher by it.
-  // Throws InputError for unknown vehicles and invalid files.
+  // above sleepers in a zone with a gap it lies higher by it. A rail that is kept is not placed
+  // again. Throws InputError for unknown vehicles and invalid files, RunError if there is no static
+  // equilibrium.
   TrainOnBed(const TrainOnBedParameters& parameters, const std::vector<double>& levels);
   ~TrainOnBed();
   TrainOnBed(TrainOnBed&&) noexcept;
@@ -68,6 +72,9 @@ class TrainOnBed {
   const Train& train() const;
   const Line& line() const;
   const Passage& passage() const;
+  // m, of each seat, at which its pad carries no load: where the sleepers were when the rail was
+  // placed, and gaps above them.
+  const std::vector<double>& levels_without_load() const;
   // m, of one seat since the rail was placed, including the contribution of `mobility`.
   double seat_displacement(std::size_t i, std::size_t side) const;
   double wheel_x(std::size_t i) const;  // m, x of the bed

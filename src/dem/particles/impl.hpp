@@ -95,7 +95,8 @@ struct Particles::Impl {
                              const SubStep& step);
   // measure.cpp: of all ranks; collective.
   EnergyAccount total_of(std::span<const Vec4> accounts) const;
-  struct PatchMotion;  // surface_contacts.cpp
+  std::optional<EnergyAccount> energy_account() const;  // of all particles up to now; collective
+  struct PatchMotion;                                   // surface_contacts.cpp
   void load_patch(const Approach& a, std::span<const MeshContact> contacts,
                   const PatchMotion& patch, const Wrench& w, const StoneForce<double>& f,
                   const SubStep& step);

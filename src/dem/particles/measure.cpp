@@ -122,18 +122,22 @@ namespace {
 // be known before the first term is added.
 class Sums {
  public:
-  // The last two have three components.
-  enum Of : std::size_t { mass, kinetic, potential, elastic, net, contact, momentum, force = 9 };
+  // The last two have three components. Those of energies come first.
+  enum Of : std::size_t { kinetic, potential, elastic, mass, net, contact, momentum, force = 9 };
+  static constexpr std::size_t energies = mass, all = force + 3;  // numbers of sums
 
   void add(Of sum, double term) { terms_.push_back({sum, term}); }
   void add(Of sum, const Vec3& term) {
     for (std::size_t a = 0; a < 3; ++a) terms_.push_back({sum + a, term[static_cast<int>(a)]});
   }
-  void add(const ParticleView& p, double g) {
-    add(mass, p.mass);
+  void add_energies(const ParticleView& p, double g) {
     // Rotation: 1/2 L . w, the same in any axes.
     add(kinetic, 0.5 * p.mass * p.velocity.squaredNorm() + 0.5 * p.angular_momentum.dot(p.spin));
     add(potential, p.mass * g * p.position.z());
+  }
+  void add(const ParticleView& p, double g) {
+    add_energies(p, g);
+    add(mass, p.mass);
     // Gravity is not in the stored force. The force that holds a held particle balances all forces
     // on it.
     add(net, p.held ? 0 : (p.force - Vec3(0, 0, p.mass * g)).norm());
@@ -144,9 +148,8 @@ class Sums {
     add(contact, c.force.norm());
     if (c.second < 0) add(force, -c.force);  // of surfaces only
   }
-  // Collective; before the following.
-  void complete(const par::Comm& comm) {
-    constexpr std::size_t count = force + 3;
+  // Collective; before the following. `count`: of the sums, from the first one.
+  void complete(const par::Comm& comm, std::size_t count) {
     sums_ = par::exact_totals(comm, {count, count}, terms_.size(),
                               [&](std::size_t k) { return terms_[k]; });
   }
@@ -174,6 +177,24 @@ EnergyAccount Particles::Impl::total_of(std::span<const Vec4> accounts) const {
   return {sums[0], sums[1], sums[2], sums[3]};
 }
 
+std::optional<EnergyAccount> Particles::Impl::energy_account() const {
+  if (!parameters.energy_balance) return {};
+  EnergyAccount sum = total_of(std::span(state.account).first(state.own));
+  sum += removed;
+  return sum;
+}
+
+Energies Particles::energies() const {
+  const Impl& r = *impl_;
+  Sums sums;
+  for (std::size_t b = 0; b < r.state.own; ++b) sums.add_energies((*this)[b], r.parameters.gravity);
+  ContactLoop(r).run(
+      [&](const ContactView&, double energy, auto...) { sums.add(Sums::elastic, energy); });
+  bonds([&](const BondView& bond) { sums.add(Sums::elastic, bond.energy); });
+  sums.complete(r.comm, Sums::energies);
+  return {sums[Sums::kinetic], sums[Sums::potential], sums[Sums::elastic], r.energy_account()};
+}
+
 // `unbalanced` is 1 without contacts: free fall is not equilibrium.
 Totals Particles::totals() const {
   const Impl& r = *impl_;
@@ -194,13 +215,10 @@ Totals Particles::totals() const {
   total.pieces = r.comm.sum(total.pieces);
   total.contacts = r.comm.sum(total.contacts);
   total.largest_overlap = r.comm.max(total.largest_overlap);
-  sums.complete(r.comm);
+  sums.complete(r.comm, Sums::all);
   total.mass = sums[Sums::mass], total.kinetic = sums[Sums::kinetic];
   total.potential = sums[Sums::potential], total.elastic = sums[Sums::elastic];
-  if (r.parameters.energy_balance) {
-    total.account = r.total_of(std::span(r.state.account).first(r.state.own));
-    *total.account += r.removed;
-  }
+  total.account = r.energy_account();
   total.momentum = sums.vector(Sums::momentum);
   total.surface_force = sums.vector(Sums::force);
   const double mean_contact = mean(sums[Sums::contact], total.contacts);

@@ -435,9 +435,6 @@ void GroundParameters::declare_base(Section& s) {
       "ground below; below 0: shear modulus at the base divided by the depth of the ground; "
       "0: no springs, so that the ground sinks as long as it is loaded. With base_motion there "
       "are no springs.");
-  s.rule("base_stiffness", base_stiffness <= 0 || base_motion.empty(),
-         "must be 0 or left out with base_motion: springs would oppose the motion of the base",
-         {.reads = {"base_stiffness", "base_motion"}});
   s.rule("base_stiffness", base_stiffness <= 0 || base_stiffness >= 1e4,
          "is very soft for the ground below a track (below 1e4 Pa/m); is it in Pa/m?",
          {.severity = input::Severity::warning, .reads = {"base_stiffness"}});

@@ -194,6 +194,9 @@ void GroundParameters::declare_sides(Section& s) {
   s.rule("base_motion", base_motion.empty() || base == Base::viscous,
          "needs base = \"viscous\": a wave enters through its dashpots",
          {.reads = {"base", "sides", "base_motion"}});
+  s.rule("base_stiffness", base_stiffness <= 0 || base_motion.empty(),
+         "must be 0 or left out with base_motion: springs would oppose the motion of the base",
+         {.reads = {"base_stiffness", "base_motion"}});
   for (const NamedSide& side : single_sides(*this)) declare_kind(*this, side, "", s);
   for (const int axis : {0, 1}) declare_periodic(*this, axis, s);
   declare_blocks(*this, s);

@@ -61,7 +61,7 @@ void declare_bonds(const Model& model, input::Section& s) {
     s.rule(key + ".gap", bond.gap == 0 || any_balls(model),
            "has no effect: there are no balls, and stones with corners are bonded where they touch",
            {.severity = input::Severity::warning,
-            .reads = {key, "bed", "stone", "start", "dimension"}});
+            .reads = {key, model.stones_section(), "start", "dimension"}});
     declare_box(bond, key, model.dimension == Dimension::plane, s);
     if (!bond.material.empty()) model.physics.rule_of_name(s, key + ".material", bond.material);
     const std::size_t from = model.bonds_from(i);

@@ -114,7 +114,7 @@ void declare_breakage(const Model& model, input::Section& s) {
         {.severity = input::Severity::warning, .reads = {"breakage"}});
   }
   const input::About about{
-      .reads = {"breakage", "dimension", "bed", "stone", "material", "start", "stage"}};
+      .reads = {"breakage", "dimension", model.stones_section(), "material", "start", "stage"}};
   s.rule("breakage", model.dimension == Dimension::space,
          "breakage exists in space only, not in a plane model (dimension)", about);
   s.rule("breakage.strength", !p.of_clumps() || !any_corners(model),

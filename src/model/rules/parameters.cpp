@@ -117,8 +117,18 @@ void FieldOutput::declare(input::Section& s) {
          {.severity = input::Severity::warning, .reads = {"fields", "fields_parts"}});
 }
 
+bool Output::has_fields(const Stage& stage) const {
+  const auto& names = fields_stages;
+  return fields &&
+         (names.empty() || std::find(names.begin(), names.end(), stage.name) != names.end());
+}
+
 void Output::declare(input::Section& s) {
   FieldOutput::declare(s);
+  s.texts("fields_stages", fields_stages,
+          "Names of the stages in which fields are written; empty: all. Needs fields = true.");
+  s.rule("fields_stages", fields || fields_stages.empty(), "has no effect without fields = true",
+         {.severity = input::Severity::warning, .reads = {"fields", "fields_stages"}});
   s.texts("histories", histories,
           "Parts of the model whose histories are written: any of energy, sleeper, ground, region, "
           "wall, platen, train (wheels, rail, vehicles, seats), solid (solid sleepers), sensor and "
@@ -211,6 +221,7 @@ void Model::declare(input::Section& s) {
   if (kind == ModelKind::track_on_ground) return declare_on_ground(s);
   declare_bed(s);
   declare_time(s);
+  declare_rules(*this, s);  // which also read the time steps
   declare_intervals(*this, s);
   declare_ground_mesh(*this, s);
   declare_delay(*this, s);
@@ -230,6 +241,7 @@ void Model::declare(input::Section& s) {
   declare_handover(*this, s);
   s.table("jump", jump, "Jumps over cycles of load, stages of kind jump (docs/settlement.md).");
   declare_jump(*this, s);
+  declare_jump_period(*this, s);
 }
 
 void Model::declare_bed(input::Section& s) {
@@ -273,7 +285,6 @@ void Model::declare_bed(input::Section& s) {
   s.tables("region", regions, "Regions in which stones are measured at each row of the histories.");
   s.tables("sensor", sensors, sensor_meaning);
   s.tables("stage", stages, "The stages of the run, one after the other.");
-  declare_rules(*this, s);
 }
 
 // The rough limits are computed when all that they depend on has been read.

@@ -318,7 +318,7 @@ void declare_steadiness(const Model& model, bool corners, input::Section& s) {
                      "about {:.2f}; give at most this value",
                      steady),
          {.severity = input::Severity::warning,
-          .reads = {"dem.safety", "time.step", "contact", "bed", "stone"}});
+          .reads = {"dem.safety", "time.step", "contact", model.stones_section()}});
   const double of_friction = dem::steady_friction(model.physics);
   s.rule("dem.safety", corners || model.time.step > 0 || model.dem.safety <= of_friction,
          fmt::format("is too large for the tangential damping of spheres: with the given k_n, k_s "
@@ -326,7 +326,7 @@ void declare_steadiness(const Model& model, bool corners, input::Section& s) {
                      "if dem.safety is above about {:.2f}; give at most this value",
                      of_friction),
          {.severity = input::Severity::warning,
-          .reads = {"dem.safety", "time.step", "contact", "bed", "stone"}});
+          .reads = {"dem.safety", "time.step", "contact", model.stones_section()}});
 }
 
 // In plane stress there is no confinement across the track, without which soil has hardly any
@@ -340,7 +340,9 @@ void declare_ground_yields(const Model& model, input::Section& s) {
          {.reads = {"dimension", "ground.plane", "ground.layer", "ground.block"}});
 }
 
-// A cycle needs some windows to resolve a haversine. Output is written at most once in a window; an
+constexpr double fewest_windows = 4;  // in a cycle: zero, rise, peak, fall of a haversine
+
+// Output is written at most once in a window; an
 // interval below that is most likely in another unit.
 void declare_intervals(const Model& model, input::Section& s) {
   const double window = shortest_window(model);
@@ -358,21 +360,25 @@ void declare_intervals(const Model& model, input::Section& s) {
            fmt::format("is longer than stage \"{}\" ({:g} s), which then lasts one window",
                        stage.name, stage.duration),
            {.severity = input::Severity::warning, .reads = {"time.window", "stage"}});
-  constexpr double fewest = 4;  // windows in a cycle: zero, rise, peak, fall
-  s.rule("jump.period", !model.has_stage(StageKind::jump) || model.jump.period >= fewest * window,
-         fmt::format("is less than {:g} time windows of about {:.2g} s; give a longer period",
-                     fewest, window),
-         {.reads = {"jump", "stage", "time", "dem", "bed", "contact"}});
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     const Stage& stage = model.stages[i];
     if (stage.cycles < 1 || stage.duration <= 0 || stage.kind == StageKind::jump) continue;
     const double cycle = stage.duration / static_cast<double>(stage.cycles);
-    s.rule(fmt::format("stage[{}].cycles", i), cycle >= fewest * window,
+    s.rule(fmt::format("stage[{}].cycles", i), cycle >= fewest_windows * window,
            fmt::format("gives cycles of {:.2g} s, which a time window of about {:.2g} s or more "
                        "does not resolve; give fewer cycles, or a longer duration",
                        cycle, window),
            {.reads = {"stage", "time", "dem", "bed", "contact"}});
   }
+}
+
+void declare_jump_period(const Model& model, input::Section& s) {
+  const double window = shortest_window(model);
+  s.rule("jump.period",
+         !model.has_stage(StageKind::jump) || model.jump.period >= fewest_windows * window,
+         fmt::format("is less than {:g} time windows of about {:.2g} s; give a longer period",
+                     fewest_windows, window),
+         {.reads = {"jump", "stage", "time", "dem", "bed", "contact"}});
 }
 
 std::size_t sleepers_up_to(const track::TrackParameters& track, double x) {
@@ -392,6 +398,7 @@ void declare_rules(const Model& model, input::Section& s) {
   declare_sleepers(model, s);
   declare_passages(model, s);
   declare_regions(model, s);
+  declare_fields(model, s);
   declare_sensors(model, s);
   declare_oddities(model, s);
   declare_steadiness(model, has_corners(model.bed), s);

@@ -36,6 +36,7 @@ void declare_tamping(const Model& model, input::Section& s);
 void declare_steadiness(const Model& model, bool corners, input::Section& s);
 // Rules for intervals and cycles that windows must resolve, after the time steps have been read.
 void declare_intervals(const Model& model, input::Section& s);
+void declare_jump_period(const Model& model, input::Section& s);  // after the jump's parameters
 
 // Stages: names, order, used parameters; regions: names, and whether they can contain stones.
 void declare_stages(const Model& model, input::Section& s);
@@ -46,6 +47,7 @@ void declare_names_of_bonds(const Model& model, input::Section& s);
 void declare_names_of_placed(const Model& model, input::Section& s);
 void declare_regions(const Model& model, input::Section& s);
 // Names of sensors, and whether there can be something to read at their places.
+void declare_fields(const Model& model, input::Section& s);
 void declare_sensors(const Model& model, input::Section& s);
 // Which layers of the bed are poured, and whether its outline is possible.
 void declare_layers(const Model& model, input::Section& s);

@@ -21,7 +21,7 @@ void declare_skin(const Model& model, double smallest, double largest, input::Se
           "chooses it",
           skin > largest ? "very long" : "soon outdated", smallest, largest, 5e-4 * smallest,
           largest),
-      {.severity = input::Severity::warning, .reads = {"dem.skin", "bed", "stone"}});
+      {.severity = input::Severity::warning, .reads = {"dem.skin", model.stones_section()}});
 }
 
 // Sieve sizes are in mm. Those of a cell are in its own deck.

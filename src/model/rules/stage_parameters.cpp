@@ -112,6 +112,11 @@ void Stage::declare_loads(input::Section& s) {
   s.flag("train", train,
          "Whether the sleepers are loaded by the vehicles of [train] (through rail and pads) or by "
          "the axle loads of [load] (passage).");
+  s.choice("rail", rail, {"laid", "kept"},
+           "Rail of a train on a bed at the begin of the stage (train = true); laid: straight and "
+           "without load on the sleepers as they are; kept: that of the preceding train, in static "
+           "equilibrium on the sleepers as they have settled since: it lifts those that have "
+           "settled more than their neighbours.");
   s.number("settlement", settlement, {.unit = "m", .at_least = 0},
            "The stage ends early after a cycle in which no sleeper settles by more than this value "
            "(load and passage with cycles); 0: the stage does not end early.");

@@ -343,6 +343,24 @@ void declare_regions(const Model& model, input::Section& s) {
   }
 }
 
+// Each of `names` that is not empty is that of a stage.
+void declare_stage_names(const Model& model, const std::string& key,
+                         const std::vector<std::string>& names, const input::About& about,
+                         input::Section& s) {
+  std::vector<std::string> known{""};
+  for (const Stage& stage : model.stages) known.push_back(stage.name);
+  for (const std::string& name : names)
+    s.rule(key, std::find(known.begin(), known.end(), name) != known.end(),
+           fmt::format("\"{}\" is none of the stages: {}", name,
+                       fmt::join(known.begin() + 1, known.end(), ", ")),
+           about);
+}
+
+void declare_fields(const Model& model, input::Section& s) {
+  declare_stage_names(model, "output.fields_stages", model.output.fields_stages,
+                      {.reads = {"output.fields_stages", "stage"}}, s);
+}
+
 // The elements of embankments and mesh files are searched when the ground is made.
 void declare_sensors(const Model& model, input::Section& s) {
   declare_names("sensor", "sensors", model.sensors, {.reads = {"sensor"}}, s);
@@ -359,12 +377,7 @@ void declare_sensors(const Model& model, input::Section& s) {
       s.rule(key + ".at", outside.empty(), outside, {.reads = {key, "ground", "dimension"}});
       continue;
     }
-    std::vector<std::string> names;
-    for (const Stage& stage : model.stages) names.push_back(stage.name);
-    const bool known =
-        sensor.stage.empty() || std::find(names.begin(), names.end(), sensor.stage) != names.end();
-    s.rule(key + ".stage", known, fmt::format("is none of the stages: {}", fmt::join(names, ", ")),
-           {.reads = {key, "stage"}});
+    declare_stage_names(model, key + ".stage", {sensor.stage}, {.reads = {key, "stage"}}, s);
     if (sensor.at.size() != 3 || model.bed.x.size() != 2 || model.bed.y.size() != 2) continue;
     observe::Region around;
     around.kind = observe::RegionKind::sphere;

@@ -28,6 +28,22 @@ std::vector<std::string> idle_sections(const Model& model) {
   return track.given_sections();
 }
 
+// A rail can be kept only after a train that ran on it.
+void declare_rails(const Model& model, input::Section& s) {
+  bool before = false;
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const Stage& stage = model.stages[i];
+    const std::string key = fmt::format("stage[{}].rail", i);
+    const bool kept = stage.rail == RailState::kept;
+    s.rule(key, !kept || stage.train, "has an effect only with train = true; leave it out",
+           {.reads = {"stage"}});
+    s.rule(key, !kept || !stage.train || before,
+           "must be \"laid\": no stage with train = true comes before this one",
+           {.reads = {"stage"}});
+    before = before || stage.train;
+  }
+}
+
 // Sections of rail and train without a train would have no effect.
 void declare_presence(const Model& model, input::Section& s) {
   const std::vector<std::string> idle = idle_sections(model);
@@ -45,6 +61,7 @@ void declare_presence(const Model& model, input::Section& s) {
     s.rule(fmt::format("stage[{}].train", i),
            !model.stages[i].train || model.stages[i].kind == StageKind::passage,
            "is for stages of kind passage only", {.reads = {"stage"}});
+  declare_rails(model, s);
   const std::optional<double> stop = model.track.stop();
   for (std::size_t i = 0; i < model.stages.size(); ++i)
     s.rule(fmt::format("stage[{}].duration", i),

@@ -271,7 +271,7 @@ void StagedScheme::end_stage() {
                         model_.has_bed() ? model_.output.surface_cell : 0);
     results_.flush();
     if (is_last_passage()) results_.envelope(static_cast<std::int64_t>(run_.course.stage));
-    if (model_.output.fields) {
+    if (model_.output.has_fields(present())) {
       if (keeps_extremes()) world_.ground->take_extremes();  // the last window may have no row
       write_fields_of_window();
     }

@@ -23,7 +23,8 @@ void StagedScheme::record() {
   const bool due =
       (run_.course.clock.window() - 1) % run_.windows_in(model_.output.history_interval) == 0;
   const bool row = due || (model_.is_placed() && !(run_.course.clock.runs() && !is_done()));
-  const bool picture = model_.output.fields && run_.ends(model_.output.fields_interval);
+  const bool picture =
+      model_.output.has_fields(present()) && run_.ends(model_.output.fields_interval);
   if (row) sample();
   if ((row || picture) && keeps_extremes()) world_.ground->take_extremes();
   if (picture) {

@@ -87,7 +87,13 @@ void StageTrain::apply_pad_forces() {
   world_.solids->add_pad_forces(forces);
 }
 
-void StageTrain::send(double step) {
+void StageTrain::take_away() {
+  if (!train_) return;
+  rail_ = train_->levels_without_load();
+  train_.reset();
+}
+
+void StageTrain::send(double step, RailState rail) {
   const TrackModel& t = model_.track;
   forces_ = {};
   step_ = step;
@@ -103,6 +109,8 @@ void StageTrain::send(double step) {
                                          .tolerance = t.passage.tolerance};
   parameters.irregularity_right = right_of(t);
   if (world_.solids) parameters.mobility = world_.solids->seat_mobility(step);
+  if (rail == RailState::kept) parameters.kept = std::move(rail_);
+  rail_.clear();
   train_.emplace(parameters, levels());
 }
 
@@ -136,9 +144,14 @@ observe::TrainInstant StageTrain::instant() const {
 // A train is sent first, and takes over the stored state.
 void StageTrain::archive(io::Archive& a, double step) {
   if (a.has("train", there())) {
-    if (a.reads()) send(step);
+    if (a.reads()) send(step, RailState::laid);
     a.part("train", *train_);
   }
+  if (a.has("run/rail", !rail_.empty()))
+    a.group("run/rail")(
+        "levels", rail_,
+        {"m",
+         "heights of the rail seats at which the pads of the last train's rail carry no load"});
   a.part("run/wheels", forces_);
 }
 

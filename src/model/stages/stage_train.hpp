@@ -20,7 +20,9 @@ class StageTrain {
   StageTrain(World& world, const Model& model);
 
   double duration() const;  // s until the last axle has left the track
-  void send(double step);   // s, the stage's window; the rail is laid on the sleepers' positions
+  // `step`: s, the stage's window. The rail is laid on the sleepers as they are, or that of the
+  // last train is kept.
+  void send(double step, RailState rail);
   bool there() const { return train_.has_value(); }
   // N downwards on the i-th sleeper in the next window; `move` applies those on solid sleepers.
   double seat_force(std::size_t i) const { return world_.solids ? 0 : train_->seat_force(i); }
@@ -29,7 +31,7 @@ class StageTrain {
   // To be called after the sleepers have moved in the present window of `clock`; `trains`: number
   // of trains in the stage.
   void move(std::int64_t trains, const Clock& clock);
-  void take_away() { train_.reset(); }
+  void take_away();
   observe::TrainInstant instant() const;
 
   // Of wheels above the sleepers of the bed and half a spacing beyond, in the last stage with a
@@ -37,6 +39,7 @@ class StageTrain {
   const WheelExtremes& wheel_forces() const { return forces_; }
 
   // `step`: s, window of the stage. After the sleepers' state.
+  // Sending lays a rail; the one of the checkpoint takes its place.
   void archive(io::Archive& a, double step);
 
  private:
@@ -50,6 +53,9 @@ class StageTrain {
   World& world_;
   const Model& model_;
   std::optional<track::TrainOnBed> train_;
+  // m, of the rail of the last train: heights of the seats without load. Empty while a train runs,
+  // which has them, and before the first.
+  std::vector<double> rail_;
   WheelExtremes forces_;
   double step_ = 0;  // s
   std::size_t wheels_ = 0, bodies_ = 0;

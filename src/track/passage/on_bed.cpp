@@ -69,7 +69,7 @@ std::vector<double> without_load(const TrainOnBedParameters& p, std::vector<doub
 struct TrainOnBed::Impl {
   Impl(const TrainOnBedParameters& p, const std::vector<double>& at)
       : begin(p.first - p.line.track.sleeper_x(static_cast<std::size_t>(p.seat.before))),
-        levels(without_load(p, at)),
+        levels(p.kept.empty() ? without_load(p, at) : p.kept),
         line(on_moved_sleepers(p)),
         rails(rails_of_seat(p)),
         step(p.step),
@@ -78,8 +78,20 @@ struct TrainOnBed::Impl {
         passage(line, train, WheelRail(p.wheel_rail),
                 Irregularity(p.irregularity, p.line.track.length), p.train,
                 {.step = p.step, .duration = 0, .tolerance = p.tolerance}, right_of(p)) {
-    require(at.size() == line.seats() && (p.mobility.empty() || p.mobility.size() == p.sleepers),
+    require(at.size() == line.seats() && levels.size() == at.size() &&
+                (p.mobility.empty() || p.mobility.size() == p.sleepers),
             "one level for each seat of the bed");
+    if (p.kept.empty()) return;
+    place(at, std::vector<double>(at.size(), 0.0));
+    passage.find_equilibrium();
+  }
+
+  // m, m/s, up.
+  void place(const std::vector<double>& at, const std::vector<double>& rates) {
+    std::vector<Seat> seats(at.size());
+    for (std::size_t i = 0; i < seats.size(); ++i)
+      seats[i] = {.height = at[i] - levels[i], .rate = rates[i]};
+    passage.place_seats(seats);
   }
 
   static std::optional<Irregularity> right_of(const TrainOnBedParameters& p) {
@@ -118,6 +130,7 @@ TrainOnBed::TrainOnBed(TrainOnBed&&) noexcept = default;
 const Train& TrainOnBed::train() const { return impl_->train; }
 const Line& TrainOnBed::line() const { return impl_->line; }
 const Passage& TrainOnBed::passage() const { return impl_->passage; }
+const std::vector<double>& TrainOnBed::levels_without_load() const { return impl_->levels; }
 void TrainOnBed::restart_train() { impl_->passage.restart_train(); }
 
 double TrainOnBed::seat_force(std::size_t i) const {
@@ -143,10 +156,7 @@ void TrainOnBed::advance(const std::vector<double>& levels, const std::vector<do
   Impl& impl = *impl_;
   require(levels.size() == impl.levels.size() && rates.size() == levels.size(),
           "level and rate of each seat of the bed");
-  std::vector<Seat> seats(levels.size());
-  for (std::size_t i = 0; i < seats.size(); ++i)
-    seats[i] = {.height = levels[i] - impl.levels[i], .rate = rates[i]};
-  impl.passage.place_seats(seats);
+  impl.place(levels, rates);
   impl.passage.advance();
 }
 

@@ -229,5 +229,46 @@ TEST(TrainOnBed, TheRailLiftsAHangingSleeper) {
   EXPECT_NEAR(bed, 0, 0.02 * std::abs(force));
 }
 
+TrainOnBed over(const LineParameters& line, const std::vector<double>& levels,
+                const std::vector<double>& kept) {
+  return {{.line = line,
+           .vehicles = {},
+           .train = motion,
+           .wheel_rail = {},
+           .irregularity = {},
+           .seat = {.before = before, .rails = 1},
+           .sleepers = count,
+           .first = 0.6,
+           .step = 2e-4,
+           .kept = kept},
+          levels};
+}
+
+// A sleeper has settled since the rail was laid: the rail begins in equilibrium and stays in it. By
+// linearity the train, at first far away, acts as on a rail that is laid on the same sleepers.
+TEST(TrainOnBed, AKeptRailLiftsASettledSleeper) {
+  constexpr double settled = 5e-4;  // m
+  const LineParameters line = track_of(0, {});
+  std::vector<double> levels(count, 0.01);
+  const std::vector<double> before_it = levels;
+  levels[watched] -= settled;
+  TrainOnBed laid = over(line, levels, {}), kept = over(line, levels, before_it);
+  EXPECT_EQ(kept.levels_without_load(), before_it);
+  EXPECT_EQ(laid.levels_without_load(), levels);
+  const auto more = [&](std::size_t i) { return kept.seat_force(i) - laid.seat_force(i); };
+  std::vector<double> first;
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) first.push_back(more(i)), sum += more(i);
+  EXPECT_LT(first[watched], -1e3);                           // lifted
+  EXPECT_GT(first[watched], -line.pad.stiffness * settled);  // the rail bends
+  EXPECT_NEAR(sum, 0, 0.02 * std::abs(first[watched]));      // springs beyond the bed: the rest
+  for (int k = 0; k < 50; ++k) {
+    laid.advance(levels, std::vector<double>(count, 0.0));
+    kept.advance(levels, std::vector<double>(count, 0.0));
+  }
+  for (std::size_t i = 0; i < count; ++i)
+    EXPECT_NEAR(more(i), first[i], 1e-6 * std::abs(first[watched]));
+}
+
 }  // namespace
 }  // namespace trackbed::track::on_bed_test
