@@ -58,9 +58,9 @@ TAMPED = ["stage.passage.kind=tamp", "stage.passage.duration=0", "dem.largest_ov
           *(f"tamping.{name}={value}" for name, value in
             {"gap": 0.07, "closing": 0.03, "thickness": 0.02, "depth": 0.06, "insertion": 0.01,
              "squeeze": 0.01, "withdrawal": 0.01}.items())]
-JUMPED = ["stage.load.settlement=0", "stage.load.cycles=8", "stage.passage.kind=jump", "stage.passage.cycles=12",
-          "stage.passage.duration=0.6", "stage.passage.load=2e3", "jump.from=load",
-          "jump.cycles=4", "jump.period=0.02", "jump.exponent=1"]
+JUMPED = ["stage.load.settlement=0", "stage.load.cycles=8", "stage.passage.kind=jump",
+          "stage.passage.cycles=12", "stage.passage.duration=0.6", "stage.passage.load=2e3",
+          "jump.from=load", "jump.cycles=4", "jump.period=0.02", "jump.exponent=1"]
 BREAKS = [*SPACE[:1], SPACE[2], "bed.stone=clump",
           "bed.clump=[-0.5,0,0,0.5, 0.5,0,0,0.4, 0,0.4,0,0.3]", "breakage.strength=1e4",
           "breakage.threshold=1", "breakage.from=load", "breakage.least_size=0.005"]

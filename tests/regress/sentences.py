@@ -99,7 +99,8 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "stage.passage.rail=kept": "has an effect only with train = true",
            "stage.passage.rail=kept stage.passage.train=true train.start=0 seat.before=10":
                'must be "laid": no stage with train = true comes before this one',
-           'output.fields=true output.fields_stages=["lod"]': '"lod" is none of the stages: fill,',
+           'output.fields=true output.fields_stages=["laod"]':
+               '"laod" is none of the stages: fill,',
            "stage.fill.profile=0.3": "has no effect while stones still fall",
            "sleepers.first=7": "puts the first sleeper outside the bed (bed.x: 0 to 1.2 m)",
            "stage.fill.name=a/b": 'stage[0].name = "a/b": must be a word of letters',
@@ -126,7 +127,7 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "seat.rails=0.5": "seat: has no effect: no stage has train = true",
            "footing.count=3": "footing: has no effect: it is for model = \"track_on_ground\";",
            "stage.load.train=true": "is for stages of kind passage only",
-           TRAIN.replace("start=0", "start=1"): 
+           TRAIN.replace("start=0", "start=1"):
                "train.start = 1: must be given and be at most 0 m on a bed",
            f"{TRAIN} stage.passage.duration=0 train.times=[60] train.speeds=[0] train.speed=1":
                "must be above 0 s: the train stops with its first axle at 30 m from the",

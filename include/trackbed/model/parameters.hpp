@@ -193,7 +193,7 @@ struct Model {
   bool has_stages() const { return has_stones() || kind == ModelKind::ground; }
   bool has_stones() const { return has_bed() || is_placed(); }
   bool has_bed() const { return kind == ModelKind::bed; }
-  bool is_placed() const { return kind == ModelKind::stones; }  // stone by stone
+  bool is_placed() const { return kind == ModelKind::stones; }                  // stone by stone
   const char* stones_section() const { return is_placed() ? "stone" : "bed"; }  // of the deck
   bool uses_walls() const;  // or the platen, which has their material
   bool has_solid_rails() const;

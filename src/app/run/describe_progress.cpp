@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cmath>
 #include <fstream>
+#include <map>
 
 #include "app/restart/track_resume.hpp"
 #include "app/run/progress.hpp"
@@ -20,10 +21,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The last line of each kind; of progress and end since the last command began.
-struct LastEvents {
-  Json begin, progress, checkpoint, end, any;
-};
+// The last line of each kind of event, of progress and end since the last command began; of any
+// kind under "any". Null if there is none.
+using LastEvents = std::map<std::string, Json>;
 
 // Lines that are not JSON, of a run that was killed while it wrote, are passed over.
 LastEvents last_events_in(const std::string& folder) {
@@ -33,11 +33,8 @@ LastEvents last_events_in(const std::string& folder) {
     const Json line = Json::parse(text, nullptr, false);
     if (!line.is_object() || !line.contains("event") || !line["event"].is_string()) continue;
     const std::string event = line["event"];
-    if (event == "begin") last.progress = last.end = Json(), last.begin = line;
-    if (event == "progress") last.progress = line;
-    if (event == "checkpoint") last.checkpoint = line;
-    if (event == "end") last.end = line;
-    last.any = line;
+    if (event == "begin") last["progress"] = last["end"] = Json();
+    last[event] = last["any"] = line;
   }
   return last;
 }
@@ -72,18 +69,20 @@ double seconds_since(const Json& line) {
   return std::max(unix_time() - number(line, "unix_time_s"), 0.0);
 }
 
-std::string state_of(const LastEvents& last, bool computes) {
+std::string state_of(LastEvents& last, bool computes) {
   if (computes)
-    return fmt::format("computing since {}",
-                       date(number((last.end.is_null() ? last.begin : last.end), "unix_time_s")));
-  if (!last.end.is_null()) {
-    const std::string outcome = text(last.end, "outcome"),
-                      at = date(number(last.end, "unix_time_s"));
-    if (outcome == "failed") return fmt::format("failed at {}: {}", at, text(last.end, "message"));
+    return fmt::format(
+        "computing since {}",
+        date(number((last["end"].is_null() ? last["begin"] : last["end"]), "unix_time_s")));
+  if (!last["end"].is_null()) {
+    const std::string outcome = text(last["end"], "outcome"),
+                      at = date(number(last["end"], "unix_time_s"));
+    if (outcome == "failed")
+      return fmt::format("failed at {}: {}", at, text(last["end"], "message"));
     return fmt::format("{} at {}", outcome, at);
   }
   return fmt::format("was killed after {}; trackbed resume continues it",
-                     date(number(last.any, "unix_time_s")));
+                     date(number(last["any"], "unix_time_s")));
 }
 
 std::string place_of(const Json& line) {
@@ -122,34 +121,34 @@ std::string warnings_of(const std::string& folder) {
 }  // namespace
 
 std::string describe_progress(const std::string& folder) {
-  const LastEvents last = last_events_in(folder);
-  if (last.begin.is_null()) return "";
+  LastEvents last = last_events_in(folder);
+  if (last["begin"].is_null()) return "";
   const bool computes = is_locked(folder);
   std::string words =
-      fmt::format("{}: {} on {} rank{} of {}, {}\n", folder, text(last.begin, "deck"),
-                  number(last.begin, "ranks"), number(last.begin, "ranks") == 1 ? "" : "s",
-                  text(last.begin, "host"), state_of(last, computes));
-  words += place_of(last.any);
-  if (!last.progress.is_null()) {
+      fmt::format("{}: {} on {} rank{} of {}, {}\n", folder, text(last["begin"], "deck"),
+                  number(last["begin"], "ranks"), number(last["begin"], "ranks") == 1 ? "" : "s",
+                  text(last["begin"], "host"), state_of(last, computes));
+  words += place_of(last["any"]);
+  if (!last["progress"].is_null()) {
     if (computes)
       words += fmt::format(
           "  {:.3g} ms simulated per s of wall time, remaining {} (h:mm:ss) if all stages take "
           "their full duration\n",
-          1e3 * number(last.progress, "speed"),
-          model::clock_words(number(last.progress, "remaining_s")));
-    words += figures_of(last.progress);
+          1e3 * number(last["progress"], "speed"),
+          model::clock_words(number(last["progress"], "remaining_s")));
+    words += figures_of(last["progress"]);
   }
-  if (!last.checkpoint.is_null())
+  if (!last["checkpoint"].is_null())
     words += fmt::format("  last checkpoint: {}, at {:.6g} s, written {} (h:mm:ss) ago\n",
-                         text(last.checkpoint, "file"), number(last.checkpoint, "time_s"),
-                         model::clock_words(seconds_since(last.checkpoint)));
+                         text(last["checkpoint"], "file"), number(last["checkpoint"], "time_s"),
+                         model::clock_words(seconds_since(last["checkpoint"])));
   // Lines come every few seconds; the static equilibrium of a ground and large files take longer.
   constexpr double silent = 120;  // s
-  if (const double since = seconds_since(last.any); computes && since > silent)
+  if (const double since = seconds_since(last["any"]); computes && since > silent)
     words += fmt::format(
         "  no event for {} (h:mm:ss): check that the process on {} still runs (the static "
         "equilibrium of a ground may take as long)\n",
-        model::clock_words(since), text(last.begin, "host"));
+        model::clock_words(since), text(last["begin"], "host"));
   return words + warnings_of(folder);
 }
 

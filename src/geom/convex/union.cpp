@@ -205,7 +205,7 @@ Solid union_solid(const std::vector<Piece>& pieces, int cells) {
 }
 
 Integrals own_part(const std::vector<Sphere>& balls, std::size_t which, int cells) {
-  const Sphere own = balls[which];
+  const Sphere& own = balls[which];
   std::vector<Sphere> others;
   for (std::size_t k = 0; k < balls.size(); ++k)
     if (k != which && (balls[k].centre - own.centre).norm() < balls[k].radius + own.radius)

@@ -1,4 +1,6 @@
 // The parameters of a stage.
+#include <fmt/format.h>
+
 #include "trackbed/model/parameters.hpp"
 
 namespace trackbed::model {
