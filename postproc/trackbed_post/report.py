@@ -15,7 +15,7 @@ import pathlib
 import tempfile
 import time
 
-from trackbed_post import curves, kinds, overlays, program, progress, read, write
+from trackbed_post import bed_warnings, curves, kinds, overlays, program, progress, read, write
 
 
 STYLE = """
@@ -136,9 +136,17 @@ def stages_of(run):
                                              for stage in stages]
 
 
+def of_bed(folder):
+    """Sentences on the bed of a run; none of another model, or before it has histories."""
+    try:
+        return bed_warnings.of(read.results(folder))
+    except read.Unreadable:
+        return []
+
+
 def warnings_of(runs):
     lines = [element("p", f"{run.name}: {one}", **{"class": "warning"})
-             for run in runs for one in run.summary.get("warnings", [])]
+             for run in runs for one in (*run.summary.get("warnings", []), *of_bed(run.folder))]
     return "\n".join(lines) or element("p", "None." if any(run.summary for run in runs)
                                        else "Known when the run has ended.")
 

@@ -11,8 +11,8 @@ import textwrap
 
 import numpy as np
 
-from trackbed_post import (ground_blocks, measures, read, train_figures, transition_figures,
-                           write)
+from trackbed_post import (bed_warnings, ground_blocks, measures, read, train_figures,
+                           transition_figures, write)
 from trackbed_post.ground_blocks import ENDS
 from trackbed_post.ground_transition import REACHED
 from trackbed_post.judgement import CLEAR, NO_PAIR, Difference
@@ -385,8 +385,10 @@ def draw_into(results, folder):
                    write.origin_of(results[:1]))
     for name, text in curves(trains).items():
         folder.file(name, text)
-    below = textwrap.fill(sentence, transition_figures.WRAP)
-    folder.table("transition.txt", f"{table(trains, changes)}\n{below}\n")
+    below = [textwrap.fill(text, transition_figures.WRAP)
+             for text in (sentence, *(f"warning: {train.name}: {one}" for train in trains
+                                      for one in bed_warnings.of(train.run)))]
+    folder.table("transition.txt", "\n".join([table(trains, changes), *below, ""]))
 
 
 def film_of(results, origin):

@@ -10,8 +10,8 @@ import matplotlib.image
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import (bed_on_ground, figure_csv, measures, read, support, support_figure,
-                           write)
+from trackbed_post import (bed_on_ground, bed_warnings, figure_csv, measures, read, support,
+                           support_figure, write)
 
 
 def test_figures_of_two_runs_are_drawn(runs, tmp_path):
@@ -193,6 +193,28 @@ def test_support_is_relative_to_the_ground(runs):
     assert "not known" in support.summary(unknown)
     rows = list(csv.DictReader(support.table([unknown]).splitlines()))
     assert {(row["gap_m"], row["hangs"]) for row in rows} == {("nan", "")}
+
+
+def test_hanging_sleepers_and_a_loose_bed_are_warned_of(runs):
+    run = runs[0]
+    time = run.time - run.time[run.passage()][0]
+    way = 2e-3 * np.sin(np.pi * np.clip(time, 0, None) / 2)[:, None]
+    way = way * np.ones((1, len(run.sleepers_x)))
+    reaction = 2e3 + 30e6 * way
+    sound = with_support(run, way, reaction.copy())
+    assert not bed_warnings.of(sound)
+    reaction[:, 3] = 40e6 * np.maximum(way[:, 3] - 0.5e-3, 0)
+    one, = bed_warnings.of(with_support(run, way, reaction))
+    assert f"1 of {len(run.sleepers_x)} sleepers hang" in one
+    assert f"x = {run.sleepers_x[3]:.2f} m" in one
+    stages = [dict(stage) for stage in run.deck["stage"]]
+    number = int(run.stage[run.passage()][0])
+    stages[number - 1].update(kind="load", settlement=0.2e-3)
+    loose = dataclasses.replace(sound, deck={**run.deck, "stage": stages})
+    assert not bed_warnings.of(loose)
+    way[:, 2] += 0.3e-3 * np.clip(time, 0, 1)
+    one, = bed_warnings.of(with_support(loose, way, 2e3 + 30e6 * way))
+    assert "settles by 0.3 mm" in one and "more than the 0.2 mm in a cycle" in one
 
 
 def test_a_sleeper_that_never_touches_the_stones_hangs(runs):

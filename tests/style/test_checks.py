@@ -10,6 +10,7 @@ import generated_docs  # noqa: E402
 import glossary  # noqa: E402
 import layering  # noqa: E402
 import links  # noqa: E402
+import readme  # noqa: E402
 import spelling  # noqa: E402
 import typed  # noqa: E402
 import words  # noqa: E402
@@ -219,3 +220,16 @@ def test_every_document_has_a_chapter(tree_with):
                      docs__b_Dmd="# B\n", docs__c_Dmd="# C\n")
     assert [line.split(":")[0] for line in links.without_chapter(root)] == [
         str(root / "docs/c.md")]
+
+
+def test_numbers_of_the_readme_are_compared(tmp_path):
+    root = pathlib.Path(__file__).resolve().parents[2]
+    for name in ("README.md", "docs/images/quickstart.txt"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text((root / name).read_text())
+    assert readme.check(tmp_path) == ([], 14)
+    text = (tmp_path / "README.md").read_text()
+    (tmp_path / "README.md").write_text(text.replace("0.32 mm/m", "0.33 mm/m"))
+    assert len(readme.check(tmp_path)[0]) == 1
+    (tmp_path / "README.md").write_text(text.replace("mean over the bed", "mean"))
+    assert "no sentence" in readme.check(tmp_path)[0][0]
