@@ -3,7 +3,7 @@
 
     readme.py FOLDER
 
-docs/images/quickstart.txt is transition.txt as jobs/quickstart.sh has drawn it, with the run with
+docs/images/quickstart.dat is transition.txt as jobs/quickstart.sh has drawn it, with the run with
 wedge first.
 """
 import pathlib
@@ -41,7 +41,7 @@ def rows_of(text):
 
 def check(root):
     """(problems, number of numbers compared)."""
-    rows = rows_of((root / "docs/images/quickstart.txt").read_text(encoding="utf-8"))
+    rows = rows_of((root / "docs/images/quickstart.dat").read_text(encoding="utf-8"))
     readme = " ".join((root / "README.md").read_text(encoding="utf-8").split())
     problems, compared = [], 0
     for sentence, numbers in SENTENCES.items():
@@ -51,7 +51,7 @@ def check(root):
             continue
         for text, (row, which) in zip(found.groups(), numbers):
             if row not in rows:
-                problems.append(f"quickstart.txt: no row \"{row}\"")
+                problems.append(f"quickstart.dat: no row \"{row}\"")
                 continue
             value = max(rows[row]) if which is max else rows[row][which]
             digits = len(text.partition(".")[2])

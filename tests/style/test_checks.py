@@ -224,7 +224,7 @@ def test_every_document_has_a_chapter(tree_with):
 
 def test_numbers_of_the_readme_are_compared(tmp_path):
     root = pathlib.Path(__file__).resolve().parents[2]
-    for name in ("README.md", "docs/images/quickstart.txt"):
+    for name in ("README.md", "docs/images/quickstart.dat"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text((root / name).read_text())
     assert readme.check(tmp_path) == ([], 14)
