@@ -86,8 +86,8 @@ def stops(reference, first=""):
         begin, total = total, total + windows
         chosen.append(begin + (2 * windows) // 3)
         ends.append(total)
-    return [*([] if first else [1]), *chosen[skipped:], ends[max(skipped, len(ends) - 3)],
-            total - 1]
+    end = min(max(skipped, len(ends) - 3), len(ends) - 2)  # not of the last stage, with the run's
+    return [*([] if first else [1]), *chosen[skipped:], ends[end], total - 1]
 
 
 def main():

@@ -61,13 +61,13 @@ void refuse_layers(const GroundParameters& p, Section& s) {
 }  // namespace
 
 void MeshSolid::declare(Section& s) {
-  s.text("name", name, "Name of the physical volume of the mesh.");
+  s.text("name", name, "Name of the physical volume of the mesh.", {}, true);
   solid.declare(s);
   strength.declare(s);
 }
 
 void MeshBorder::declare(Section& s) {
-  s.text("name", name, "Name of the physical surface of the mesh.");
+  s.text("name", name, "Name of the physical surface of the mesh.", {}, true);
   s.choice("holds", holds, {"free", "fixed", "roller", "viscous"},
            "Boundary condition; free: none; fixed: held in all directions; roller: held along its "
            "normal; viscous: dashpots that absorb waves, and at the base the springs of "
