@@ -19,7 +19,7 @@ io::Grid stone_shapes(const dem::Particles& particles, double gravity) {
   io::Grid grid;
   io::FieldData radius{"radius", {"m", "of a ball; of the ball around a piece with faces"}, 1, {}},
       velocity{"velocity", {"m/s", "of the stone's centre of mass"}, 3, {}},
-      force{"force", {"N", "sum of the contact forces on the stone"}, 3, {}},
+      force{"force", {"N", "sum of the contact forces on the stone, dashpots included"}, 3, {}},
       acceleration{
           "acceleration", {"m/s2", "of the centre of mass in the last sub-step, no filter"}, 3, {}},
       id{"stone", {"-", "number of the stone"}, 1, {}, true};
@@ -62,7 +62,7 @@ io::Grid stone_shapes(const dem::Particles& particles, double gravity) {
 io::Grid contact_lines(const dem::Particles& particles) {
   io::Grid grid;
   grid.kind = io::CellKind::line;
-  io::FieldData force{"force", {"N", "on the first of the two pieces"}, 3, {}},
+  io::FieldData force{"force", {"N", "of the springs, on the first of the two pieces"}, 3, {}},
       size{"force_size", {"N", "magnitude of the force"}, 1, {}},
       overlap{"overlap", {"m", "of the two pieces"}, 1, {}};
   particles.contacts([&](const dem::ContactView& contact) {
@@ -127,13 +127,15 @@ double aside(const TrainView& train, std::size_t side) {
   return train.rails == 1 ? 0 : (side == 0 ? 0.5 : -0.5) * train.gauge;
 }
 
-// Points of a rail above the sleepers.
+// Points of a rail above the sleepers, as the surfaces are drawn: without the pads' compression.
 std::vector<Vec3> rail_above(const Scene& scene, double y) {
   std::vector<Vec3> points;
   for (const SceneSurface& each : scene.surfaces)
     if (each.part == SceneSurface::Part::sleeper) {
       double highest = -std::numeric_limits<double>::infinity();
-      for (const Vec3& node : each.surface->position) highest = std::max(highest, node.z());
+      const Surface& sleeper = *each.surface;
+      for (std::size_t k = 0; k < sleeper.nodes(); ++k)
+        highest = std::max(highest, sleeper.position[k].z() + sleeper.motion[k].z());
       points.emplace_back(scene.sleepers->x(points.size()), y, highest + track::drawn_rail_height);
     }
   return points;

@@ -47,8 +47,8 @@ inline bool has_platen_load(StageKind kind) {
   return kind == StageKind::compact || kind == StageKind::shear || kind == StageKind::triaxial;
 }
 
-// laid: a rail without load on the sleepers as they are; kept: as the last train left it, in
-// equilibrium on the sleepers as they have moved since.
+// laid: a rail without load on the sleepers as they are; kept: that of the last train, whose pads
+// take up their forces gradually.
 enum class RailState { laid, kept };
 
 struct Stage {

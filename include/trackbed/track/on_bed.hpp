@@ -42,18 +42,19 @@ struct TrainOnBedParameters {
   std::vector<Matrix2> mobility = {};
   // Irregularity of the right rail if it differs; its kind is not `same`.
   std::optional<IrregularityParameters> irregularity_right = {};
-  // `levels_without_load` of an earlier train, whose rail is kept: it is in static equilibrium on
-  // the sleepers as they are now. Empty: a rail is laid on them.
+  // `levels_without_load` of an earlier train, whose rail is kept. Its pads take up their forces
+  // within `ramp`, s, as the sleepers may have settled without it. Empty: a rail is laid on them.
   std::vector<double> kept = {};
+  double ramp = 0;
 };
 
 // On two rails each sleeper of the bed has two seats, left before right wherever they are listed.
 class TrainOnBed {
  public:
   // The rail is placed on the sleepers at their present heights `levels`, m, one for each seat;
-  // above sleepers in a zone with a gap it lies higher by it. A rail that is kept is not placed
-  // again. Throws InputError for unknown vehicles and invalid files, RunError if there is no static
-  // equilibrium.
+  // above sleepers in a zone with a gap it lies higher by it. A rail that is kept takes its place
+  // gradually. Throws InputError for unknown vehicles and invalid files, RunError if there is no
+  // static equilibrium.
   TrainOnBed(const TrainOnBedParameters& parameters, const std::vector<double>& levels);
   ~TrainOnBed();
   TrainOnBed(TrainOnBed&&) noexcept;

@@ -46,9 +46,6 @@ class Passage {
   ~Passage();
   Passage(Passage&&) noexcept;
 
-  // Static equilibrium once more, on the seats as last placed, before the first step. Throws
-  // RunError if there is none.
-  void find_equilibrium();
   // One step. Throws RunError if the contacts do not converge or a value is not finite.
   void advance();
   // Prescribes height and velocity of the moved sleepers, or of the moved ground, at the end of the

@@ -62,6 +62,11 @@ void declare_layers(const Model& model, input::Section& s) {
            fmt::format("there is no [[bed.layer]] \"{}\"; {}", layer, instead_of(layer, names)),
            {.reads = {key, "bed.layer"}});
   }
+  s.rule("bed.seed",
+         model.bed.cell.empty() || model.has_stage(StageKind::cribs) ||
+             model.bed.seed == bed::BedParameters{}.seed,
+         "has no effect with bed.cell, whose stones are copied: give it to the deck of the cell",
+         {.severity = input::Severity::warning, .reads = {"bed.cell", "bed.seed", "stage"}});
   // Layers that no stage pours are not checked.
   const auto fits = [&](const std::string& key, const bed::LayerParameters& layer) {
     const std::string why = misfit(layer, model.dimension);

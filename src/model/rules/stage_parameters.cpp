@@ -105,7 +105,8 @@ void Stage::declare_loads(input::Section& s) {
   s.number("ramp", ramp, {.unit = "s", .at_least = 0},
            "Ramp time, at most half the duration; load: time of loading and of unloading; compact: "
            "time in which pressure and confinement change from those of the preceding stage; "
-           "shear, triaxial: the same, and also the time in which full speed is reached.");
+           "shear, triaxial: the same, and also the time in which full speed is reached; passage: "
+           "time in which a kept rail takes up its forces.");
   s.integer("cycles", cycles, {.at_least = 0, .at_most = most_cycles},
             "Number of cycles; load: number of haversines in the duration (0: one ramp up, hold "
             "and ramp down); passage: number of successive trains (0: one); tamp: number of "
@@ -114,11 +115,12 @@ void Stage::declare_loads(input::Section& s) {
   s.flag("train", train,
          "Whether the sleepers are loaded by the vehicles of [train] (through rail and pads) or by "
          "the axle loads of [load] (passage).");
-  s.choice("rail", rail, {"laid", "kept"},
-           "Rail of a train on a bed at the begin of the stage (train = true); laid: straight and "
-           "without load on the sleepers as they are; kept: that of the preceding train, in static "
-           "equilibrium on the sleepers as they have settled since: it lifts those that have "
-           "settled more than their neighbours.");
+  s.choice(
+      "rail", rail, {"laid", "kept"},
+      "Rail of a train on a bed at the begin of the stage (train = true); laid: without load on "
+      "the sleepers as they are; kept: that of the preceding train, whose pads take up their "
+      "forces within `ramp`: it lifts the sleepers that have settled more than their "
+      "neighbours since.");
   s.number("settlement", settlement, {.unit = "m", .at_least = 0},
            "The stage ends early after a cycle in which no sleeper settles by more than this value "
            "(load and passage with cycles); 0: the stage does not end early.");

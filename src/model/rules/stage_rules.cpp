@@ -138,8 +138,8 @@ void declare_uses_of_stages(const Model& model, input::Section& s) {
            "has no effect: the stage has no growth",
            {.severity = input::Severity::warning, .reads = {growth, growth_height}});
     only("load", stage.load != none.load, {load, jump}, "stages of kind load and jump");
-    only("ramp", stage.ramp != none.ramp, {load, compact, shear, triaxial},
-         "stages of kind load, compact, shear and triaxial");
+    only("ramp", stage.ramp != none.ramp, {load, compact, shear, triaxial, passage},
+         "stages of kind load, compact, shear, triaxial and passage");
     only("until_ratio", stage.until_ratio != none.until_ratio,
          {fill, settle, compact, release, sleepers, cribs, run, lift_walls, tamp},
          "all kinds of stages except load, passage, shear and triaxial");

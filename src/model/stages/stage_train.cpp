@@ -93,7 +93,7 @@ void StageTrain::take_away() {
   train_.reset();
 }
 
-void StageTrain::send(double step, RailState rail) {
+void StageTrain::send(double step, RailState rail, double ramp) {
   const TrackModel& t = model_.track;
   forces_ = {};
   step_ = step;
@@ -109,7 +109,7 @@ void StageTrain::send(double step, RailState rail) {
                                          .tolerance = t.passage.tolerance};
   parameters.irregularity_right = right_of(t);
   if (world_.solids) parameters.mobility = world_.solids->seat_mobility(step);
-  if (rail == RailState::kept) parameters.kept = std::move(rail_);
+  if (rail == RailState::kept) parameters.kept = std::move(rail_), parameters.ramp = ramp;
   rail_.clear();
   train_.emplace(parameters, levels());
 }

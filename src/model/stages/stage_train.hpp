@@ -20,9 +20,9 @@ class StageTrain {
   StageTrain(World& world, const Model& model);
 
   double duration() const;  // s until the last axle has left the track
-  // `step`: s, the stage's window. The rail is laid on the sleepers as they are, or that of the
-  // last train is kept.
-  void send(double step, RailState rail);
+  // `step`: s, the stage's window. The rail is laid on the sleepers as they are; if that of the
+  // last train is kept, its pads take up their forces within `ramp`, s.
+  void send(double step, RailState rail, double ramp = 0);
   bool there() const { return train_.has_value(); }
   // N downwards on the i-th sleeper in the next window; `move` applies those on solid sleepers.
   double seat_force(std::size_t i) const { return world_.solids ? 0 : train_->seat_force(i); }

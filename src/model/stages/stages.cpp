@@ -175,7 +175,7 @@ double StageActions::duration(const Stage& stage) const {
 }
 
 void StageActions::send_train(const Stage& stage, double window) {
-  if (stage.train) train_.send(window, stage.rail);
+  if (stage.train) train_.send(window, stage.rail, stage.ramp);
 }
 
 void StageActions::move_train(const Stage& stage, const Clock& clock) {

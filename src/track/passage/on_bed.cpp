@@ -23,6 +23,9 @@
 #include "trackbed/track/on_bed.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "trackbed/core/error.hpp"
 
@@ -69,7 +72,9 @@ std::vector<double> without_load(const TrainOnBedParameters& p, std::vector<doub
 struct TrainOnBed::Impl {
   Impl(const TrainOnBedParameters& p, const std::vector<double>& at)
       : begin(p.first - p.line.track.sleeper_x(static_cast<std::size_t>(p.seat.before))),
-        levels(p.kept.empty() ? without_load(p, at) : p.kept),
+        levels(without_load(p, at)),
+        target(p.kept.empty() ? levels : p.kept),
+        ramp(p.kept.empty() ? 0 : std::max<std::int64_t>(1, std::llround(p.ramp / p.step))),
         line(on_moved_sleepers(p)),
         rails(rails_of_seat(p)),
         step(p.step),
@@ -78,20 +83,30 @@ struct TrainOnBed::Impl {
         passage(line, train, WheelRail(p.wheel_rail),
                 Irregularity(p.irregularity, p.line.track.length), p.train,
                 {.step = p.step, .duration = 0, .tolerance = p.tolerance}, right_of(p)) {
-    require(at.size() == line.seats() && levels.size() == at.size() &&
+    require(at.size() == line.seats() && target.size() == at.size() &&
                 (p.mobility.empty() || p.mobility.size() == p.sleepers),
             "one level for each seat of the bed");
-    if (p.kept.empty()) return;
-    place(at, std::vector<double>(at.size(), 0.0));
-    passage.find_equilibrium();
   }
 
-  // m, m/s, up.
-  void place(const std::vector<double>& at, const std::vector<double>& rates) {
-    std::vector<Seat> seats(at.size());
-    for (std::size_t i = 0; i < seats.size(); ++i)
-      seats[i] = {.height = at[i] - levels[i], .rate = rates[i]};
-    passage.place_seats(seats);
+  // Fraction of the difference between the levels at the start and those of the kept rail that is
+  // left after these steps; ends are smooth.
+  double left_after(std::int64_t steps) const {
+    const double done = static_cast<double>(steps) / static_cast<double>(ramp);
+    return (1 + std::cos(std::numbers::pi * done)) / 2;
+  }
+
+  // The pads of a kept rail take up their forces gradually: the sleepers, which had no rail, are
+  // not in equilibrium with it. To the end of the next step.
+  void approach_kept_rail(std::vector<Seat>& seats) {
+    if (ramped >= ramp) return;
+    const double ratio = ramped + 1 == ramp ? 0 : left_after(ramped + 1) / left_after(ramped);
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      const double before = levels[i];
+      levels[i] = target[i] + (levels[i] - target[i]) * ratio;
+      seats[i].height -= levels[i] - before;
+      seats[i].rate -= (levels[i] - before) / step;
+    }
+    ++ramped;
   }
 
   static std::optional<Irregularity> right_of(const TrainOnBedParameters& p) {
@@ -99,8 +114,10 @@ struct TrainOnBed::Impl {
     return Irregularity(*p.irregularity_right, p.line.track.length);
   }
 
-  double begin;                // m, x of the bed at the start of the track
-  std::vector<double> levels;  // m, of the seats at which pads carry no load: state
+  double begin;  // m, x of the bed at the start of the track
+  // m, of the seats at which pads carry no load, now and after the ramp: state.
+  std::vector<double> levels, target;
+  std::int64_t ramp, ramped = 0;  // steps of the ramp, and those done: state
   Line line;
   double rails;  // number of rails per seat
   double step;   // s
@@ -130,7 +147,7 @@ TrainOnBed::TrainOnBed(TrainOnBed&&) noexcept = default;
 const Train& TrainOnBed::train() const { return impl_->train; }
 const Line& TrainOnBed::line() const { return impl_->line; }
 const Passage& TrainOnBed::passage() const { return impl_->passage; }
-const std::vector<double>& TrainOnBed::levels_without_load() const { return impl_->levels; }
+const std::vector<double>& TrainOnBed::levels_without_load() const { return impl_->target; }
 void TrainOnBed::restart_train() { impl_->passage.restart_train(); }
 
 double TrainOnBed::seat_force(std::size_t i) const {
@@ -156,7 +173,11 @@ void TrainOnBed::advance(const std::vector<double>& levels, const std::vector<do
   Impl& impl = *impl_;
   require(levels.size() == impl.levels.size() && rates.size() == levels.size(),
           "level and rate of each seat of the bed");
-  impl.place(levels, rates);
+  std::vector<Seat> seats(levels.size());
+  for (std::size_t i = 0; i < seats.size(); ++i)
+    seats[i] = {.height = levels[i] - impl.levels[i], .rate = rates[i]};
+  impl.approach_kept_rail(seats);
+  impl.passage.place_seats(seats);
   impl.passage.advance();
 }
 
@@ -170,9 +191,10 @@ double TrainOnBed::rail_displacement(std::size_t i, std::size_t side) const {
 void TrainOnBed::archive(io::Archive& a) {
   impl_->passage.archive(a);
   a.rows("levels", impl_->levels,
-         {"m",
-          "vertical displacement of the rail seats, from placing of the sleepers to laying of the "
-          "rail"});
+         {"m", "heights of the rail seats at which the pads carry no load now"});
+  a.rows("kept_levels", impl_->target, {"m", "the same when a kept rail carries its pads' forces"});
+  a("ramp", impl_->ramp, {"-", "steps in which a kept rail takes up these forces; 0: a laid rail"});
+  a("ramped", impl_->ramped, {"-", "those done"});
 }
 
 }  // namespace trackbed::track

@@ -295,11 +295,6 @@ Passage::Passage(const Line& line, const Train& train, const WheelRail& law,
   impl_->start();
 }
 
-void Passage::find_equilibrium() {
-  require(impl_->steps == 0, "a passage is in equilibrium before its first step only");
-  impl_->start();
-}
-
 Passage::~Passage() = default;
 Passage::Passage(Passage&&) noexcept = default;
 
