@@ -4,14 +4,14 @@ shapes, balls as spheres, ground, rail and wheels, with the times of the run.
     pvbatch postproc/paraview/view.py RESULT_DIR VIEW.pvsm [PICTURE.png [TIME]]
 
 writes a state file, which ParaView opens (File > Load State), and a picture of the instant at TIME
-(s), by default of the last one with a train, or of the last one. Colours have the range of this
+(s), by default of the last one with a wheel within the other parts, or of the last one. Colours have the range of this
 instant. Ground and solids are drawn displaced, as stones touch them. Without a screen: `xvfb-run -a
 pvbatch ...`.
 """
 import pathlib
 import sys
 
-from paraview import simple
+from paraview import servermanager, simple
 
 SIZE = [1600, 900]      # pixels
 GREY, STEEL, BLACK = [0.62, 0.6, 0.57], [0.25, 0.27, 0.3], [0.0, 0.0, 0.0]
@@ -105,7 +105,29 @@ def instant(sources, given):
         return times, None
     if given is not None:
         return times, min(times, key=lambda time: abs(time - given))
-    return times, max(sources["train"].TimestepValues) if "train" in sources else times[-1]
+    return times, last_on_bed(sources) if "train" in sources else times[-1]
+
+
+def last_on_bed(sources):
+    """s: the last instant of the train's files at which a wheel is within the other parts along
+    x; the last one without."""
+    others = [one.GetDataInformation().GetBounds()[:2] for name, one in sources.items()
+              if name != "train"]
+    low, high = (min(one[0] for one in others), max(one[1] for one in others)) if others else (0, 0)
+    train = sources["train"]
+    for time in reversed(list(train.TimestepValues)):
+        data = servermanager.Fetch(wheels_of(train, time))
+        if data.GetNumberOfPoints() and data.GetBounds()[0] < high and data.GetBounds()[1] > low:
+            return time
+    return max(train.TimestepValues)
+
+
+def wheels_of(train, time):
+    """The wheels alone, at a time."""
+    found = simple.Threshold(Input=train, Scalars=["CELLS", "wheel"], LowerThreshold=0,
+                             UpperThreshold=1e9)
+    found.UpdatePipeline(time)
+    return found
 
 
 def main(folder, state, picture=None, time=None):
@@ -134,7 +156,7 @@ def main(folder, state, picture=None, time=None):
     if picture:
         simple.SaveScreenshot(str(picture), view, ImageResolution=SIZE)
     print(f"{state}: {', '.join(sources)}; {len(times)} times"
-          + (f" from {times[0]:g} to {times[-1]:g} s" if times else ""))
+          + (f" from {times[0]:g} to {times[-1]:g} s; drawn: {now:g} s" if times else ""))
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 which are nan beside the track; on two rails each axle has its left wheel before its right one."""
 import numpy as np
 
+APART = 3.0  # m; a train that is further from a bed does not deflect it
 SAME = 0.01  # m; axles of equal vehicles are at equal distances up to this
 
 
@@ -39,3 +40,19 @@ def by_vehicle(x: np.ndarray, count: int) -> np.ndarray | None:
         return None
     found = known.reshape(count, -1)
     return found if np.allclose(found - found[:, :1], found[0], rtol=0, atol=SAME) else None
+
+
+def rows_of_trains(wheel_x: np.ndarray) -> list[np.ndarray]:
+    """Rows of each train, which have wheels on the track; the next one begins where the first wheel
+    jumps back (a stage may send several trains), or after rows without wheels."""
+    there = np.flatnonzero(np.isfinite(wheel_x[:, 0]))
+    ends = np.flatnonzero((np.diff(wheel_x[there, 0]) < 0) | (np.diff(there) > 1)) + 1
+    return [rows for rows in np.split(there, ends) if len(rows)]
+
+
+def row_before_train(first_axle_x: np.ndarray, bed_begin: float) -> int:
+    """The last row before the first axle is within APART of the bed; the first row if there is
+    none. At first the pads carry no force, and until the train comes rail and sleepers move to
+    their common equilibrium."""
+    near = np.flatnonzero(first_axle_x > bed_begin - APART)
+    return max(int(near[0]) - 1, 0) if len(near) else 0

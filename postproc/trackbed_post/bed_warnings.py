@@ -24,19 +24,27 @@ def _of_hanging(run: read.Results) -> list[str]:
 
 
 def _of_bedding_in(run: read.Results) -> list[str]:
-    """The aim of cycles of load before a passage is a settlement in a cycle: what the train adds
-    should be less."""
+    """Cycles of load before a passage have an aim, a settlement in a cycle: what the train adds
+    should be less; and its load should be less than theirs."""
     before = run.deck.get("stage", [])[:int(run.stage[run.passage()][0])]
-    aims = [(stage["settlement"], stage["name"]) for stage in before
-            if stage["kind"] == "load" and stage.get("settlement", 0) > 0]
-    if not aims:
+    cycles = [stage for stage in before if stage["kind"] == "load"]
+    if not cycles:
         return []
-    aim, name = aims[-1]
+    last, lines = cycles[-1], []
+    aim = last.get("settlement", 0)
     kept = measures.residual_displacement(run) - measures.residual_ground(run)
     worst = int(np.argmax(kept))
-    if kept[worst] <= aim:
-        return []
-    return [f"the sleeper at x = {run.sleepers_x[worst]:.2f} m settles by {1e3 * kept[worst]:.2g} "
-            f"mm in the {run.passage_name()}, more than the {1e3 * aim:g} mm in a cycle with which "
-            f"stage {name} ended: the bed is not bedded in; give more cycles, or a smaller "
-            "stage.settlement"]
+    if 0 < aim < kept[worst]:
+        lines.append(
+            f"the sleeper at x = {run.sleepers_x[worst]:.2f} m settles by {1e3 * kept[worst]:.2g} "
+            f"mm in the {run.passage_name()}, more than the aim of stage {last['name']}, "
+            f"{1e3 * aim:g} mm in a cycle: the bed is not bedded in; give this stage a larger load, "
+            "more cycles, or a smaller settlement")
+    load = max(stage.get("load", 0) + stage.get("seat_force", 0) for stage in cycles)
+    most = float(np.max(run.sleeper["reaction"].values[run.passage()]))
+    if most > load > 0:
+        lines.append(
+            f"the stones carry up to {1e-3 * most:.1f} kN below a sleeper in the "
+            f"{run.passage_name()}, more than the {1e-3 * load:g} kN with which it was bedded in "
+            "before: settlement is that of a first loading; give the stage of load a larger load")
+    return lines

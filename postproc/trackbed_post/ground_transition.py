@@ -171,7 +171,7 @@ def table(runs: Runs) -> str:
         return f"no transition to measure: {reasons}\n" + "".join(
             line + "\n" for run in runs for line in measures.warnings(run))
     head = f"{'downwards and compression positive':<48}{'':>6}"
-    lines = [head + "".join(f"{run.name:>12}" for run in runs)
+    lines = [head + "".join(f" {run.name:>11}" for run in runs)
              + (f"{'change':>10}" if len(runs) == 2 else "")]
     for label, unit, field, factor in ROWS:
         values = [getattr(numbers, field) * factor for numbers in found]

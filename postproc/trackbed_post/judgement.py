@@ -39,9 +39,15 @@ class Difference:
     def clear(self) -> bool:
         return abs(self.change) > CLEAR and self.larger_than_scatter
 
+    def of_text(self, value: float) -> str:
+        """A value with its unit: three digits if there are as many before the point."""
+        shown = self.factor * value
+        return f"{shown:.0f} {self.unit}" if abs(shown) >= 100 else f"{shown:.2g} {self.unit}"
+
     def words(self, by_wedge: bool) -> str:
         """The verdict; `by_wedge`: the runs differ by a wedge in the first one only."""
-        limit = f"{self.beside}, {self.factor * self.scatter:.2g} {self.unit}"
+        limit = f"{self.beside}, {self.of_text(self.scatter)}"
+        difference = f"the difference, {self.of_text(abs(self.first - self.second))}, is"
         if math.isnan(self.change):
             return "no verdict: the change is not known"
         if abs(self.change) <= CLEAR:
@@ -49,8 +55,8 @@ class Difference:
         if math.isnan(self.scatter):
             return "no verdict: there is no plain track with whose scatter it could be compared"
         if not self.larger_than_scatter:
-            return f"no clear effect (not larger than {limit})"
+            return f"no clear effect ({difference} not larger than {limit})"
         if not by_wedge:
             return f"change relative to the second run; no verdict: {NO_PAIR}"
         expected = "as" if (self.first - self.second) * self.wanted > 0 else "NOT as"
-        return f"{expected} expected of a wedge (larger than {limit})"
+        return f"{expected} expected of a wedge ({difference} larger than {limit})"

@@ -8,7 +8,7 @@ import typing
 import numpy as np
 from numpy.typing import ArrayLike
 
-from trackbed_post import ground_blocks, read
+from trackbed_post import axles, ground_blocks, read
 
 LASTING = 1e-3   # m, a larger residual displacement of a sleeper means that stones have moved
 TINY = ground_blocks.TINY
@@ -42,12 +42,28 @@ def smoothed(x: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:
     return np.array([np.mean(values[np.abs(x - place) <= width / 2 + TINY]) for place in x])
 
 
+def row_before_train(results: read.Results) -> int:
+    """The row of the passage before the train comes to the bed, counted from its first one: 0
+    without a train on a rail, whose pads have their forces from the first row on."""
+    rows = results.passage()
+    if "x" not in results.wheel or not len(results.sleepers_x):
+        return 0
+    x = results.wheel["x"].values[rows]
+    trains = axles.rows_of_trains(x.reshape(len(x), -1))
+    if not trains:
+        return 0
+    first = trains[0]
+    return int(first[axles.row_before_train(x.reshape(len(x), -1)[first, 0],
+                                            results.sleepers_x[0])])
+
+
 def residual_displacement(results: read.Results) -> np.ndarray:
-    """Residual downward displacement of each sleeper, m: from first to last row of the passage."""
+    """Residual downward displacement of each sleeper, m: from the row of the passage before the
+    train to its last one."""
     if "displacement" not in results.sleeper:
         return np.empty(0)
     height = results.sleeper["displacement"].values[results.passage()]
-    return height[0] - height[-1]
+    return height[row_before_train(results)] - height[-1]
 
 
 def why_no_envelope(results: read.Results) -> str:
@@ -87,7 +103,8 @@ def ground_lowered(results: read.Results) -> np.ndarray:
 
 def residual_ground(results: read.Results) -> np.ndarray:
     """Residual downward displacement of the ground's top below each sleeper, m."""
-    return ground_lowered(results)[-1]
+    lowered = ground_lowered(results)
+    return lowered[-1] - lowered[min(row_before_train(results), len(lowered) - 1)]
 
 
 def warnings(results: read.Results) -> list[str]:

@@ -42,14 +42,15 @@ class Support:
 
 def of(results: read.Results) -> Support:
     """The secant of the bed begins where the reaction first exceeds SECANT of its increase since
-    the first row, which must be before the load of the train: neither the ground, which the axles
+    the first row, that before the train comes to the bed: neither the ground, which the axles
     on both sides of a sleeper keep low, nor stones that settle under the first axles enter twice.
     Numbers of the bed alone are not known (NOWHERE) if the ground's histories were left out."""
-    rows = results.passage()
-    height = results.sleeper["displacement"].values[rows]
-    reaction = results.sleeper["reaction"].values[rows]
+    rows, first = results.passage(), measures.row_before_train(results)
+    height = results.sleeper["displacement"].values[rows][first:]
+    reaction = results.sleeper["reaction"].values[rows][first:]
     whole = height[0] - height
-    lowered = whole - measures.ground_lowered(results)
+    ground = measures.ground_lowered(results)
+    lowered = whole - (ground[first:] - ground[first] if len(ground) > 1 else ground)
     if "displacement" not in results.ground and results.deck.get("ground", {}).get("present"):
         lowered = np.full_like(whole, measures.NOWHERE)
     count = lowered.shape[1]

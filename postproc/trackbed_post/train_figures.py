@@ -9,32 +9,15 @@ import numpy as np
 from trackbed_post import axles, ground_blocks, panels, read, shades
 
 SHOWN_WHEELS = len(panels.MARKERS)  # the first wheels are shown
-APART = 3.0                         # m: a train that is further from the bed does not deflect it
-
-
-def rows_of_trains(wheel_x):
-    """Rows of each train, which have wheels on the track; the next one begins where the first wheel
-    jumps back (a stage may send several trains), or after rows without wheels."""
-    there = np.flatnonzero(np.isfinite(wheel_x[:, 0]))
-    ends = np.flatnonzero((np.diff(wheel_x[there, 0]) < 0) | (np.diff(there) > 1)) + 1
-    return [rows for rows in np.split(there, ends) if len(rows)]
 
 
 def train_rows(wheel_x, name):
     """Rows of the last train. `name`: of the run, for messages."""
-    trains = rows_of_trains(wheel_x)
+    trains = axles.rows_of_trains(wheel_x)
     if not trains:
         raise read.Unreadable(f"{name}: no row of the histories has a train on the track: was the "
                               "run stopped before its passage?")
     return trains[-1]
-
-
-def row_before_train(first_axle_x, bed_begin):
-    """The last row before the first axle is within APART of the bed; the first row if there is
-    none. The pads start without force, and until the train comes the rail and the sleepers move
-    to their common equilibrium."""
-    near = np.flatnonzero(first_axle_x > bed_begin - APART)
-    return max(int(near[0]) - 1, 0) if len(near) else 0
 
 
 def under_axles(wheel_x, sleepers_x, moved, reach):
@@ -72,7 +55,7 @@ class Passing:
         self.sleepers_x = run.sleepers_x
         self.displacement = rows_of("sleeper/displacement")[rows]
         self.spacing = run.deck["sleepers"]["spacing"]
-        self.first = row_before_train(self.x[:, 0], self.sleepers_x[0])
+        self.first = axles.row_before_train(self.x[:, 0], self.sleepers_x[0])
         self.lowest = under_axles(self.x, self.sleepers_x,
                                   self.displacement - self.displacement[self.first], self.spacing)
         self.left = self.displacement[-1] - self.displacement[self.first]

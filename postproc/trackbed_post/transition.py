@@ -380,15 +380,17 @@ def draw_into(results, folder):
     trains = named([train_of(path) for path in results])
     changes = changes_of(trains)
     sentence = verdict(trains, changes)
+    warnings = [f"Warning: {train.name}: {one}." for train in trains
+                for one in bed_warnings.of(train.run)]
+    if warnings:
+        sentence = " ".join([sentence, *warnings])
     folder.picture("transition", transition_figures.compare(trains, changes, sentence))
     folder.picture("model", transition_figures.draw_model(trains[0], results[0]),
                    write.origin_of(results[:1]))
     for name, text in curves(trains).items():
         folder.file(name, text)
-    below = [textwrap.fill(text, transition_figures.WRAP)
-             for text in (sentence, *(f"warning: {train.name}: {one}" for train in trains
-                                      for one in bed_warnings.of(train.run)))]
-    folder.table("transition.txt", "\n".join([table(trains, changes), *below, ""]))
+    below = textwrap.fill(sentence, transition_figures.WRAP)
+    folder.table("transition.txt", f"{table(trains, changes)}\n{below}\n")
 
 
 def film_of(results, origin):

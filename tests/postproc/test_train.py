@@ -4,7 +4,7 @@ import types
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import ground_blocks, read, train_figures
+from trackbed_post import axles, ground_blocks, read, train_figures
 
 
 def made(trains=1):
@@ -126,9 +126,9 @@ def test_runs_without_a_train_are_refused():
 
 def test_the_row_before_the_train_is_the_last_one_far_from_the_bed():
     x = np.array([-9.0, -6.0, -4.1, -2.9, 0.5, 4.0])
-    assert train_figures.row_before_train(x, 0.0) == 2
-    assert train_figures.row_before_train(x, -9.0) == 0       # starts on the bed
-    assert train_figures.row_before_train(x, 50.0) == 0       # never comes
+    assert axles.row_before_train(x, 0.0) == 2
+    assert axles.row_before_train(x, -9.0) == 0       # starts on the bed
+    assert axles.row_before_train(x, 50.0) == 0       # never comes
 
 
 def test_levels_of_a_train_count_from_the_row_before_it():

@@ -182,8 +182,8 @@ def axles_of(path):
     spacing = run.deck["sleepers"]["spacing"]
     level = run.sleeper["displacement"].values
     found = []
-    for number, rows in enumerate(train_figures.rows_of_trains(x)):
-        first = train_figures.row_before_train(x[rows][:, 0], run.sleepers_x[0])
+    for number, rows in enumerate(axles.rows_of_trains(x)):
+        first = axles.row_before_train(x[rows][:, 0], run.sleepers_x[0])
         moved = level[rows] - level[rows][first]
         found.append((number + 1, train_figures.under_axles(x[rows], run.sleepers_x, moved,
                                                            spacing)))
