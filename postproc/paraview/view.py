@@ -4,9 +4,9 @@ shapes, balls as spheres, ground, rail and wheels, with the times of the run.
     pvbatch postproc/paraview/view.py RESULT_DIR VIEW.pvsm [PICTURE.png [TIME]]
 
 writes a state file, which ParaView opens (File > Load State), and a picture of the instant at TIME
-(s), by default of the last one with a wheel within the other parts, or of the last one. Colours have the range of this
-instant. Ground and solids are drawn displaced, as stones touch them. Without a screen: `xvfb-run -a
-pvbatch ...`.
+(s), by default of the last one with a wheel within the other parts, or of the last one. Colours
+have the range of this instant. Ground and solids are drawn displaced, as stones touch them. Without
+a screen: `xvfb-run -a pvbatch ...`.
 """
 import pathlib
 import sys

@@ -346,7 +346,8 @@ def draw_all(runs, folder, ends=True):
         figure.tight_layout(rect=(0, write.ORIGIN, 1, 1))
         folder.picture(name, figure)
     text = ground_transition.table(runs) + "".join(measures.region_table(run) for run in runs)
-    supported = [run for run in runs if len(run.sleepers_x) and run.sleeper]
+    supported = [run for run in runs if len(run.sleepers_x) and run.sleeper
+                 and (run.has_passage() or not run.asks_for_passage())]
     if supported:
         text += "\n" + "".join(support.summary(run) + "\n" for run in supported)
         text += "".join(f"warning: {run.name}: {one}\n" for run in supported

@@ -38,8 +38,8 @@ def _of_bedding_in(run: read.Results) -> list[str]:
         lines.append(
             f"the sleeper at x = {run.sleepers_x[worst]:.2f} m settles by {1e3 * kept[worst]:.2g} "
             f"mm in the {run.passage_name()}, more than the aim of stage {last['name']}, "
-            f"{1e3 * aim:g} mm in a cycle: the bed is not bedded in; give this stage a larger load, "
-            "more cycles, or a smaller settlement")
+            f"{1e3 * aim:g} mm in a cycle: the bed is not bedded in; give this stage a larger "
+            "load, more cycles, or a smaller settlement")
     load = max(stage.get("load", 0) + stage.get("seat_force", 0) for stage in cycles)
     most = float(np.max(run.sleeper["reaction"].values[run.passage()]))
     if most > load > 0:

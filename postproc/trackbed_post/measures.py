@@ -109,9 +109,9 @@ def residual_ground(results: read.Results) -> np.ndarray:
 
 def warnings(results: read.Results) -> list[str]:
     """A message on residual displacement of the ground after the passage, and one per sleeper with
-    residual displacement relative to the ground."""
+    residual displacement relative to the ground; none before the passage."""
     kept = residual_displacement(results)
-    if not len(kept):
+    if not len(kept) or (results.asks_for_passage() and not results.has_passage()):
         return []
     sunk = residual_ground(results)
     lines = []

@@ -94,6 +94,8 @@ def facts_of(run):
     summary = run.summary
     found = {"state": run.state(), "written by": run.origin,
              "title of the deck": run.deck.get("title", "")}
+    if run.deck.get("start"):
+        found["started from, with the stages before"] = run.deck["start"]
     if summary:
         found |= {"deck": summary["deck"], "model": summary["model"], "ranks": summary["ranks"],
                   "simulated time, s": summary["simulated_time_s"],
@@ -129,7 +131,8 @@ def stages_of(run):
     """Heading and rows of the stages of a run."""
     columns = {"name": "stage", "time_s": "end, s", "duration_s": "duration, s",
                "particles": "stones", "bulk_density_kg_m3": "bulk density, kg/m3",
-               "settlement_m": "largest settlement of a sleeper in the last cycle, m", "wall_time_s": "wall time, s"}
+               "settlement_m": "largest settlement of a sleeper in the last cycle, m",
+               "wall_time_s": "wall time, s"}
     stages = run.summary.get("stages", [])
     shown = [key for key in columns if any(key in stage for stage in stages)]
     return [columns[key] for key in shown], [[number(stage.get(key, "")) for key in shown]

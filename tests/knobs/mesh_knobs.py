@@ -34,7 +34,7 @@ KNOBS = {
     "ground.solid.[].tensile_strength": ("ground.solid.0.tensile_strength=500", YIELDS),
     "ground.border.[].name": "ground.border.0.name=base",
     "ground.border.[].holds": "ground.border.0.holds=fixed",
-    "ground.base_motion": "ground.base_motion={folder}/wave.csv",
+    "ground.base_motion": "ground.base_stiffness=0 ground.base_motion={folder}/wave.csv",
 }
 # Change of the deck -> part of the refusal.
 REFUSED = {
@@ -51,10 +51,11 @@ REFUSED = {
         "and rotate about x",
     # Viscous sides hold y and ends x; nothing holds z.
     "ground.border.0.holds=free": "static equilibrium: it can move along z; add a fixed border",
-    "ground.border.0.holds=fixed ground.base_motion={folder}/wave.csv":
+    "ground.border.0.holds=fixed ground.base_stiffness=0 ground.base_motion={folder}/wave.csv":
         "no viscous border faces down",
-    "ground.base_motion={folder}/along.csv": "the border \"ends\" holds the ground along x",
-    "ground.border.2.holds=fixed ground.base_motion={folder}/along.csv":
+    "ground.base_stiffness=0 ground.base_motion={folder}/along.csv":
+        "the border \"ends\" holds the ground along x",
+    "ground.border.2.holds=fixed ground.base_stiffness=0 ground.base_motion={folder}/along.csv":
         "the border \"ends\" holds the ground along x",
     "ground.mesh={folder}/squashed.msh": "is flat: its shape quality",
     "ground.sides=viscous": "describe the surfaces of the mesh by [[ground.border]]",
@@ -71,11 +72,11 @@ REPORTED = {
     "title=same": ["mesh: x = 0 to 1.8, ", " m^3", "with springs of 4e+07 Pa/m", "-warning"],
     "ground.border.0.holds=roller": ["-with springs"],
     "ground.border.0.holds=roller ground.border.1.holds=roller": ["is valid"],
-    "ground.base_motion={folder}/wave.csv":
+    "ground.base_stiffness=0 ground.base_motion={folder}/wave.csv":
         ["\"sides\" impedes the wave of ground.base_motion", "-\"ends\"", "-\"slopes\""],
-    "ground.border.2.holds=fixed ground.base_motion={folder}/wave.csv":
+    "ground.border.2.holds=fixed ground.base_stiffness=0 ground.base_motion={folder}/wave.csv":
         ["\"ends\" impedes the wave of ground.base_motion"],
-    "ground.border.2.holds=free ground.base_motion={folder}/along.csv":
+    "ground.border.2.holds=free ground.base_stiffness=0 ground.base_motion={folder}/along.csv":
         ["\"ends\" is free and at an end of the mesh", "-\"slopes\""],
     "ground.mesh={folder}/half.msh": ["outer faces are in no physical surface and therefore free",
                                       " % of"],

@@ -14,10 +14,10 @@ def of(first, second, scatter, wanted=-1, **more):
 
 @pytest.mark.parametrize("first, second, scatter, words", [
     (0.95e-3, 1e-3, 0.0, "no clear effect (within 10%)"),
-    (0.7e-3, 1e-3, 0.4e-3, "no clear effect (the difference, 0.3 mm/m, is not larger than the scatter on plain track, "
-     "0.4 mm/m)"),
-    (0.7e-3, 1e-3, 0.2e-3, "as expected of a wedge (the difference, 0.3 mm/m, is larger than the scatter on plain "
-     "track, 0.2 mm/m)"),
+    (0.7e-3, 1e-3, 0.4e-3, "no clear effect (the difference, 0.3 mm/m, is not larger "
+     "than the scatter on plain track, 0.4 mm/m)"),
+    (0.7e-3, 1e-3, 0.2e-3, "as expected of a wedge (the difference, 0.3 mm/m, is "
+     "larger than the scatter on plain track, 0.2 mm/m)"),
     (1.3e-3, 1e-3, 0.2e-3, "NOT as expected of a wedge (the difference, 0.3 mm/m, is larger than"),
     (0.7e-3, 1e-3, math.nan, "no verdict: there is no plain track"),
     (math.nan, 1e-3, 0.0, "no verdict: the change is not known"),

@@ -24,7 +24,7 @@ PLAIN = {
     "/template/pieces", "/template/sizes", "/part", "/breakage/labels",
     "/breakage/single", "/bonds/stones", "CellData/kind", "CellData/damage",
     "CellData/utilisation",
-    "/element", "/quaternion", "train/steps",
+    "/element", "/quaternion", "train/steps", "train/ramp_steps", "train/ramped_steps",
     "train/iterations", "train/lost", "/gain", "walls/removed", "sleepers/placed", "solid/moved",
     "run/stage", "run/stage_has_begun",
     "run/substeps", "run/windows", "run/windows_of_stage", "run/windows_in_stage", "run/warnings",

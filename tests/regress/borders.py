@@ -18,6 +18,8 @@ YIELDS = "ground.layer.soil.yield=mohr_coulomb ground.plane=strain"
 PAIR = 'side_x_low = side_x_high = "periodic"'
 SOFT = "ground.layer.soil.young=1e6"
 # Changes of the tiny deck and a part of the refusal or warning.
+# The springs of the deck would oppose a wave.
+WAVE = "ground.base_stiffness=0 ground.base_motion={folder}"
 REFUSED = {"ground.side_x_low=open": "\"fixed\", \"as_sides\" or \"periodic\"",
            f"{YIELDS} ground.side_x_high=free_field": "has elastic columns beside the model",
            "ground.side_x_low=periodic": 'needs side_x_high = "periodic": both ends of the ground',
@@ -27,60 +29,60 @@ REFUSED = {"ground.side_x_low=open": "\"fixed\", \"as_sides\" or \"periodic\"",
                "use ratio_x = 1 or fine_x at the middle of the ground",
            f'{PERIODIC} periodic=["x"] ground.x=[-0.2,1.4]':
                "gives the ground a period of 1.6 m, but that of the stones is 1.2 m",
-           "ground.base_motion={folder}/wave.csv":
+           f"{WAVE}/wave.csv":
                'ground.sides = "roller": holds the ends of the ground, which base_motion moves',
-           "ground.sides=free_field ground.side_x_high=fixed ground.base_motion={folder}/wave.csv":
+           f"ground.sides=free_field ground.side_x_high=fixed {WAVE}/wave.csv":
                'ground.side_x_high = "fixed": holds the ends of the ground',
-           f"{YIELDS} ground.sides=free_field ground.base_motion={{folder}}/wave.csv":
+           f"{YIELDS} ground.sides=free_field {WAVE}/wave.csv":
                f"which do not match yielding layers; use {PAIR}",
-           f"{YIELDS} ground.base_motion={{folder}}/wave.csv":
+           f"{YIELDS} {WAVE}/wave.csv":
                f"which base_motion moves along the track (vx_m_s is not 0); use {PAIR}",
-           "ground.base_motion={folder}/bare.csv": "vz_m_s"}
+           f"{WAVE}/bare.csv": "vz_m_s"}
 WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as a viscous side",
-          "ground.side_x_low=viscous ground.base_motion={folder}/upwards.csv":
+          f"ground.side_x_low=viscous {WAVE}/upwards.csv":
               f"side_x_low = \"viscous\": impedes the wave of base_motion; use free_field or "
               f"{PAIR}",
-          f"{YIELDS} ground.sides=viscous ground.base_motion={{folder}}/wave.csv":
+          f"{YIELDS} ground.sides=viscous {WAVE}/wave.csv":
               f"sides = \"viscous\": impedes the wave of base_motion; use {PAIR}",
-          "ground.side_x_high=fixed ground.base_motion={folder}/upwards.csv":
+          f"ground.side_x_high=fixed {WAVE}/upwards.csv":
               "side_x_high = \"fixed\": impedes the wave of base_motion",
-          "ground.sides=free ground.base_motion={folder}/wave.csv":
+          f"ground.sides=free {WAVE}/wave.csv":
               "sides = \"free\": has no ground beside it that moves with base_motion",
           "ground.sides=free ground.side_x_low=viscous ground.side_x_high=roller":
               "sides = \"free\": has no effect: the kind of each side is given",
-          "ground.base_motion={folder}/under_way.csv":
+          f"{WAVE}/under_way.csv":
               "under_way.csv: the ground starts from rest at 0 s, but the wave already has "
               "vx_m_s = 0 m/s, vz_m_s = 0.01 m/s",
-          "ground.base_motion={folder}/over.csv":
+          f"{WAVE}/over.csv":
               "over.csv: the wave ends at -0.01 s, before the ground starts to move at 0 s",
-          "ground.base_motion={folder}/late.csv":
+          f"{WAVE}/late.csv":
               "late.csv: the wave begins at 0.3 s, but the ground moves for at most 0.3 s",
-          "ground.base_motion={folder}/last.csv":
+          f"{WAVE}/last.csv":
               "last.csv: the ground moves for at most 0.3 s; by then only 8.3 % of the wave's "
               "energy has",
-          "ground.base_motion={folder}/near.csv ground.layer.soil.young=1e5":
+          f"{WAVE}/near.csv ground.layer.soil.young=1e5":
               "near.csv: the ground moves for at most 0.3 s; the wave has entered at the base "
               "after 0.277 s",
-          f"{SOFT} ground.elements_z=3 ground.base_motion={{folder}}/upwards.csv":
+          f"{SOFT} ground.elements_z=3 {WAVE}/upwards.csv":
               "ground.elements_z: elements 0.2 m high in layer \"soil\" do not resolve the wave of "
               "base_motion (vz_m_s): 95 % of",
           f"{SOFT} ground.layer.soil.elements=8 ground.sides=free_field "
-          "ground.base_motion={folder}/wave.csv":
+          f"{WAVE}/wave.csv":
               "ground.layer[0].elements: elements 0.075 m high in layer \"soil\" do not resolve "
               "the wave of base_motion (vx_m_s)",
-          "ground.base_motion={folder}/fast.csv":
+          f"{WAVE}/fast.csv":
               "fast.csv: the largest speed, 50 m/s, is outside the usual values (at most 5 m/s); "
               "is its unit right?",
-          "ground.base_motion={folder}/still.csv": "has no motion: all its velocities are 0",
+          f"{WAVE}/still.csv": "has no motion: all its velocities are 0",
           "ground.side_y_low=viscous": "side_y_low = \"viscous\": has no effect in a plane model"}
 TAKEN = ["ground.side_x_low=fixed ground.side_x_high=viscous", PERIODIC,
          f"{PERIODIC} ground.ratio_x=1.1 ground.fine_x=0.6 ground.elements_x=8",
-         f"{YIELDS} {PERIODIC}", f"{YIELDS} {PERIODIC} ground.base_motion={{folder}}/wave.csv",
-         "ground.base_motion={folder}/upwards.csv",
-         "ground.sides=free_field ground.base_motion={folder}/wave.csv",
-         PERIODIC + " ground.base_motion={folder}/wave.csv",
-         "ground.base_motion={folder}/near.csv",
-         f"{SOFT} ground.base_motion={{folder}}/upwards.csv"]
+         f"{YIELDS} {PERIODIC}", f"{YIELDS} {PERIODIC} {WAVE}/wave.csv",
+         f"{WAVE}/upwards.csv",
+         f"ground.sides=free_field {WAVE}/wave.csv",
+         PERIODIC + f" {WAVE}/wave.csv",
+         f"{WAVE}/near.csv",
+         f"{SOFT} {WAVE}/upwards.csv"]
 # Tables of upward waves, in rows of time_s and vz_m_s.
 UPWARDS = {"upwards": "0,0 0.01,0.01 0.02,0", "under_way": "-0.01,0 0,0.01 0.01,0",
            "over": "-0.03,0 -0.02,0.01 -0.01,0 0.2,0", "late": "0,0 0.3,0 0.31,0.01 0.32,0",

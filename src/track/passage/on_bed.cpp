@@ -193,8 +193,9 @@ void TrainOnBed::archive(io::Archive& a) {
   a.rows("levels", impl_->levels,
          {"m", "heights of the rail seats at which the pads carry no load now"});
   a.rows("kept_levels", impl_->target, {"m", "the same when a kept rail carries its pads' forces"});
-  a("ramp", impl_->ramp, {"-", "steps in which a kept rail takes up these forces; 0: a laid rail"});
-  a("ramped", impl_->ramped, {"-", "those done"});
+  a("ramp_steps", impl_->ramp,
+    {"-", "steps in which a kept rail takes up these forces; 0: a laid rail"});
+  a("ramped_steps", impl_->ramped, {"-", "those done"});
 }
 
 }  // namespace trackbed::track
