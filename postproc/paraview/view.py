@@ -11,7 +11,7 @@ a screen: `xvfb-run -a pvbatch ...`.
 import pathlib
 import sys
 
-from paraview import servermanager, simple
+from paraview import simple
 
 SIZE = [1600, 900]      # pixels
 GREY, STEEL, BLACK = [0.62, 0.6, 0.57], [0.25, 0.27, 0.3], [0.0, 0.0, 0.0]
@@ -105,7 +105,7 @@ def instant(sources, given):
         return times, None
     if given is not None:
         return times, min(times, key=lambda time: abs(time - given))
-    return times, last_on_bed(sources) if "train" in sources else times[-1]
+    return times, last_on_bed(sources) if {"train"} < sources.keys() else times[-1]
 
 
 def last_on_bed(sources):
@@ -113,20 +113,17 @@ def last_on_bed(sources):
     x; the last one without."""
     others = [one.GetDataInformation().GetBounds()[:2] for name, one in sources.items()
               if name != "train"]
-    low, high = (min(one[0] for one in others), max(one[1] for one in others)) if others else (0, 0)
-    train = sources["train"]
-    for time in reversed(list(train.TimestepValues)):
-        data = servermanager.Fetch(wheels_of(train, time))
-        if data.GetNumberOfPoints() and data.GetBounds()[0] < high and data.GetBounds()[1] > low:
-            return time
-    return max(train.TimestepValues)
-
-
-def wheels_of(train, time):
-    """The wheels alone, at a time."""
-    found = simple.Threshold(Input=train, Scalars=["CELLS", "wheel"], LowerThreshold=0,
-                             UpperThreshold=1e9)
-    found.UpdatePipeline(time)
+    low, high = min(one[0] for one in others), max(one[1] for one in others)
+    # Rails are lines.
+    wheels = simple.ExtractCellsByType(Input=sources["train"], CellTypes=["Polygon"])
+    found = max(sources["train"].TimestepValues)
+    for time in sorted(sources["train"].TimestepValues, reverse=True):
+        wheels.UpdatePipeline(time)
+        bounds = wheels.GetDataInformation().GetBounds()
+        if bounds[0] < high and bounds[1] > low:
+            found = time
+            break
+    simple.Delete(wheels)
     return found
 
 
