@@ -176,7 +176,8 @@ def check_fields(program, deck, folder):
         force = train["VTKHDF/CellData/wheel_force"][train["VTKHDF/CellData/wheel"] >= 0]
         found = datasets(place)
         row = np.flatnonzero(np.isclose(found["history/time"], 0.03))
-        if not np.array_equal(found["history/wheel/force"][row].ravel(), force):
+        # Fields are 32-bit floats.
+        if not np.array_equal(found["history/wheel/force"][row].ravel().astype(np.float32), force):
             raise SystemExit(f"the wheels' forces are {force} N in their field")
         lowest = sleepers["VTKHDF/PointData/displacement"][:, 2].min()
         z = sleepers["VTKHDF/Points"][:, 2]
