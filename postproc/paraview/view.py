@@ -105,7 +105,9 @@ def instant(sources, given):
         return times, None
     if given is not None:
         return times, min(times, key=lambda time: abs(time - given))
-    return times, last_on_bed(sources) if {"train"} < sources.keys() else times[-1]
+    if "train" not in sources:
+        return times, times[-1]
+    return times, last_on_bed(sources)
 
 
 def last_on_bed(sources):
@@ -113,7 +115,8 @@ def last_on_bed(sources):
     x; the last one without."""
     others = [one.GetDataInformation().GetBounds()[:2] for name, one in sources.items()
               if name != "train"]
-    low, high = min(one[0] for one in others), max(one[1] for one in others)
+    low = min((one[0] for one in others), default=0.0)
+    high = max((one[1] for one in others), default=low)
     # Rails are lines.
     wheels = simple.ExtractCellsByType(Input=sources["train"], CellTypes=["Polygon"])
     found = max(sources["train"].TimestepValues)

@@ -48,13 +48,12 @@ def row_before_train(results: read.Results) -> int:
     rows = results.passage()
     if "x" not in results.wheel or not len(results.sleepers_x):
         return 0
-    x = results.wheel["x"].values[rows]
-    trains = axles.rows_of_trains(x.reshape(len(x), -1))
+    x = axles.of_wheels(results.wheel["x"].values[rows])
+    trains = axles.rows_of_trains(x)
     if not trains:
         return 0
     first = trains[0]
-    return int(first[axles.row_before_train(x.reshape(len(x), -1)[first, 0],
-                                            results.sleepers_x[0])])
+    return int(first[axles.row_before_train(x[first, 0], results.sleepers_x[0])])
 
 
 def residual_displacement(results: read.Results) -> np.ndarray:

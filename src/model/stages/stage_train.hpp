@@ -39,7 +39,6 @@ class StageTrain {
   const WheelExtremes& wheel_forces() const { return forces_; }
 
   // `step`: s, window of the stage. After the sleepers' state.
-  // Sending lays a rail; the one of the checkpoint takes its place.
   void archive(io::Archive& a, double step);
 
  private:
