@@ -131,6 +131,11 @@ void File::close(Sync sync) {
   handle_->agree(flushed && closed, "", "cannot be completed");
 }
 
+void File::compress() {
+  require(handle_->comm.size() == 1, "a file is compressed by one rank");
+  handle_->compresses = true;
+}
+
 // A local call with the same result on all ranks, as for metadata.
 bool File::has(const std::string& path) const {
   // HDF5 requires every parent group to be checked before the last name.

@@ -17,6 +17,7 @@ struct File::Handle {
   std::string path;
   Mode mode;
   Hid file{};
+  bool compresses = false;  // new datasets
 
   // Throws RunError on all ranks if `ok` is false on any: "<path>: <subject> <what> (<reason>)".
   void agree(bool ok, const std::string& subject, std::string_view what) const;
@@ -28,6 +29,7 @@ struct Dataset {
   Hid type;  // native type of what is stored
   std::size_t rows = 0, columns = 1;
   bool flat = true;  // stored as [rows]
+  bool compressed = false;
   std::size_t row_bytes() const { return columns * H5Tget_size(type.get()); }
 };
 

@@ -1,6 +1,9 @@
 // Axes of the histories, envelopes and tables of stages, as readers of netCDF expect them: in each
 // group a dataset `time` (one and the same in all groups of histories) and one for the columns:
 // their positions along the track where these do not change, or their numbers from 0.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <numeric>
 
@@ -198,6 +201,17 @@ void set_axes(const par::Comm& comm, io::File& file) {
   for (const std::string& path : histories(file)) set_axes_of_history(comm, file, path);
   for (const char* group : {"envelope/sleeper", "envelope/ground", "envelope/rail", "extreme/rail"})
     for (const std::string& path : columns(file, group)) set_axis_of_envelope(comm, file, path);
+}
+
+void name_stages(io::File& file, const std::vector<std::string>& names) {
+  const std::string meanings = fmt::format("{}", fmt::join(names, " "));
+  const bool known = file.has_attribute("history/stage", "flag_meanings") &&
+                     file.text_attribute("history/stage", "flag_meanings") == meanings;
+  if (names.empty() || known) return;  // a resume may have other names of later stages
+  std::vector<std::int64_t> numbers(names.size());
+  std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
+  file.attribute("history/stage", "flag_values", numbers);
+  file.attribute("history/stage", "flag_meanings", meanings);
 }
 
 }  // namespace trackbed::observe

@@ -38,5 +38,7 @@ void set_axis_of_envelope(const par::Comm& comm, io::File& file, const std::stri
 void set_axes_of_snapshot(const par::Comm& comm, io::File& file, const std::string& stage);
 // Those of all histories and envelopes of a new file.
 void set_axes(const par::Comm& comm, io::File& file);
+// Stores the meaning of the numbers in history/stage, by the conventions of CF (section 3.5).
+void name_stages(io::File& file, const std::vector<std::string>& names);
 
 }  // namespace trackbed::observe

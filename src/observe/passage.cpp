@@ -7,6 +7,7 @@
 #include "observe/column_writer.hpp"
 #include "observe/impl.hpp"
 #include "observe/layout.hpp"
+#include "trackbed/core/error.hpp"
 #include "trackbed/io/replace.hpp"
 #include "trackbed/track/vehicle_layout.hpp"
 
@@ -186,26 +187,35 @@ void PassageHistories::archive(io::Archive& a) {
 }
 
 // Written under another name first, so that a reader opens either the old file or the complete new
-// one.
-void PassageHistories::write(const par::Comm& comm, const std::string& path, const About& about) {
-  const auto own = [&](const std::vector<double>& values) {
-    return std::span(values).first(comm.root() ? values.size() : 0);
-  };
+// one; by one rank, which can compress it.
+void PassageHistories::write(const par::Comm& comm, const std::string& path, const About& about,
+                             bool compress) {
   // On two rails each place is listed twice, left before right.
   std::vector<double> sleeper_x, rail_x;
   for (const std::size_t i : sleepers_)
     sleeper_x.insert(sleeper_x.end(), line_.sides(), line_.sleeper_x(i));
   for (const double x : recorded_.points) rail_x.insert(rail_x.end(), line_.sides(), x);
-  io::replace_file(comm, path, [&](const std::string& part) {
-    io::File file(comm, part, io::Mode::create);
+  const auto write = [&](const std::string& part) {
+    const par::Comm self = par::Comm::self();
+    io::File file(self, part, io::Mode::create);
+    if (compress) file.compress();
     put_origin(comm, file, about);
-    file.write<double>("rail/x", own(rail_x), 1, {"m", "monitored points of the rail"});
+    file.write<double>("rail/x", rail_x, 1, {"m", "monitored points of the rail"});
     if (!sleeper_x.empty())
-      file.write<double>("sleepers/x", own(sleeper_x), 1, {"m", "monitored sleepers"});
-    io::Archive a = io::Archive::writer(comm, file);
+      file.write<double>("sleepers/x", sleeper_x, 1, {"m", "monitored sleepers"});
+    io::Archive a = io::Archive::writer(self, file);
     archive(a);
-    set_axes(comm, file);
+    set_axes(self, file);
     file.close();
+  };
+  io::replace_file(comm, path, [&](const std::string& part) {
+    std::string problem;
+    if (comm.root()) try {
+        write(part);
+      } catch (const RunError& error) {
+        problem = error.what();
+      }
+    comm.agree(problem);
   });
 }
 

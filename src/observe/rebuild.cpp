@@ -1,5 +1,6 @@
 // Restores a results file to its state at a checkpoint: histories are cut to its rows, snapshots of
-// later stages are omitted, since the resumed run writes them again.
+// later stages are omitted, since the resumed run writes them again. The file of a finished run is
+// copied in the same way, compressed.
 // A copy is made in any case: the old file may be in another folder, and remains complete if the
 // new run is killed at once. Rejected: cutting datasets in place, which would not free their space
 // and could leave columns of different lengths if interrupted.
@@ -28,14 +29,21 @@ io::Label label_of(const io::File& file, const std::string& path) {
   return {text("units", "unit"), text("long_name", "meaning")};
 }
 
-// Copies this rank's fraction of the first `rows` rows of a dataset. Collective; one append on any
-// number of ranks.
+// Numbers that one rank reads at a time: 32 MB.
+constexpr std::size_t numbers_in_memory = 1 << 22;
+
+// Copies the first `rows` rows of a dataset, a few at a time, each rank a fraction. Collective.
 template <class T>
 void copy_history(const par::Comm& comm, const io::File& from, io::File& to,
                   const std::string& path, std::size_t rows) {
-  const auto [begin, count] = io::row_range(rows, comm.rank(), comm.size());
   const std::size_t columns = from.extent(path).at(1);
-  to.append<T>(path, from.read_rows<T>(path, begin, count), columns, label_of(from, path));
+  const io::Label label = label_of(from, path);
+  const std::size_t at_once = std::max<std::size_t>(1, numbers_in_memory / columns);
+  for (std::size_t done = 0; done < rows; done += at_once) {
+    const auto [begin, count] =
+        io::row_range(std::min(at_once, rows - done), comm.rank(), comm.size());
+    to.append<T>(path, from.read_rows<T>(path, done + begin, count), columns, label);
+  }
 }
 
 // Tables are not cut: they belong to a place or a finished stage as a whole.
@@ -103,10 +111,25 @@ auto reading(const std::string& path, F&& act) {
   }
 }
 
-// Copied unchanged: the caller compares the rows that it covers.
-void copy_envelope(const io::File& from, io::File& to) {
+// An envelope that covers later rows is omitted.
+void copy_envelope(const io::File& from, io::File& to, std::size_t rows) {
+  if (!from.has("envelope")) return;
+  const std::int64_t covered = from.integer_attribute("envelope", "rows");
+  if (covered > static_cast<std::int64_t>(rows)) return;
   for (const char* group : {"envelope/sleeper", "envelope/ground"})
     for (const std::string& path : columns(from, group)) copy_table(from, to, path);
+  to.attribute("envelope", "rows", covered);
+  if (from.has_attribute("envelope", "stage"))
+    to.attribute("envelope", "stage", from.integer_attribute("envelope", "stage"));
+}
+
+// `rows` of the histories, and the snapshots of the finished `stages`. Collective.
+void copy_results(const par::Comm& comm, const io::File& from, io::File& to, std::size_t rows,
+                  const std::vector<std::string>& stages) {
+  copy_histories(comm, from, to, rows);
+  copy_snapshots(comm, from, to, stages);
+  copy_envelope(from, to, rows);
+  set_axes(comm, to);
 }
 
 }  // namespace
@@ -155,14 +178,7 @@ void Results::resume(const std::string& old_path, std::int64_t rows,
       const io::File old = open_results(impl.comm, old_path);
       io::File file(impl.comm, part, io::Mode::create);
       impl.put_head(file);
-      copy_histories(impl.comm, old, file, wanted);
-      copy_snapshots(impl.comm, old, file, finished);
-      const bool with_envelope =
-          old.has("envelope") && old.integer_attribute("envelope", "rows") <= rows;
-      if (with_envelope) copy_envelope(old, file);
-      if (with_envelope)
-        file.attribute("envelope", "rows", old.integer_attribute("envelope", "rows"));
-      set_axes(impl.comm, file);
+      copy_results(impl.comm, old, file, wanted, finished);
       file.close();
     });
   } catch (const std::exception&) {  // the same on all ranks
@@ -172,6 +188,35 @@ void Results::resume(const std::string& old_path, std::int64_t rows,
   impl.take_name(part);
   impl.resumed = true;
   impl.rows = rows;
+}
+
+// By one rank: see io::File::compress. The others wait. The twin, which a reader may still have
+// open, is removed and not overwritten.
+std::string Results::compress() {
+  flush();
+  Impl& impl = *impl_;
+  const std::string part = impl.twin_path();
+  impl.has_twin = false;
+  std::string problem;
+  if (impl.comm.root()) {
+    std::error_code error;
+    std::filesystem::remove(part, error);
+    try {
+      const par::Comm self = par::Comm::self();
+      const io::File old(self, impl.path, io::Mode::read);
+      io::File file(self, part, io::Mode::create);
+      file.compress();
+      impl.put_head(file);
+      copy_results(self, old, file, static_cast<std::size_t>(impl.rows), impl.recorded.stages);
+      if (impl.rows > 0) name_stages(file, impl.recorded.stages);
+      file.close();
+      std::filesystem::rename(part, impl.path);
+    } catch (const std::exception& failure) {
+      std::filesystem::remove(part, error);
+      problem = failure.what();
+    }
+  }
+  return impl.comm.broadcast(problem);
 }
 
 }  // namespace trackbed::observe

@@ -8,7 +8,6 @@
 // flush copies the file once to have a twin again.
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -19,7 +18,6 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
-#include <numeric>
 
 #include "observe/column_writer.hpp"
 #include "observe/impl.hpp"
@@ -275,18 +273,6 @@ void Results::Impl::flush() {
 }
 
 namespace {
-
-// The meaning of the numbers in history/stage, by the conventions of CF (section 3.5).
-void name_stages(io::File& file, const std::vector<std::string>& names) {
-  const std::string meanings = fmt::format("{}", fmt::join(names, " "));
-  const bool known = file.has_attribute("history/stage", "flag_meanings") &&
-                     file.text_attribute("history/stage", "flag_meanings") == meanings;
-  if (names.empty() || known) return;  // a resume may have other names of later stages
-  std::vector<std::int64_t> numbers(names.size());
-  std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
-  file.attribute("history/stage", "flag_values", numbers);
-  file.attribute("history/stage", "flag_meanings", meanings);
-}
 
 // Columns that were not sampled have width 0 and no dataset; a new dataset gets its axes. All ranks
 // have all rows; one writes them.

@@ -337,6 +337,7 @@ KNOBS |= {name.replace("bed.", "bed.layer.[].", 1):
 EXCEPTIONS = {
     "dem.skin": "speed only, a change of results would be an error; skin_test counts rebuilds",
     "bond.[].name": "only the report on screen has it; placed.py reads it there",
+    "output.compress": "storage only; labels.py compares results with and without",
     "dem.rebalance": "speed only, as dem.skin; balance_test counts new splits",
     **dict.fromkeys((f"handover.{name}" for name in ("after", "rounds", "trains", "each", "load")),
                     "jobs/handover.py reads it; the test of on_bed.toml verifies its effect"),

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Every kind of results opens in xarray as labelled arrays, also those of a resumed run.
+"""Every kind of results opens in xarray as labelled arrays, also those of a resumed run, and
+compression changes nothing of them.
 
     labels.py PROGRAM SOURCE_FOLDER FOLDER
 """
@@ -125,6 +126,50 @@ def check_resume(program, deck, folder):
                 raise SystemExit(f"{name} in xarray differs from {place}")
 
 
+# Kinds of models whose results are written in different ways.
+COMPRESSED = ("tests/restart/tiny_two_rails.toml", "tests/knobs/on_ground.toml")
+
+
+def contents(path):
+    """Attributes of all groups and datasets, with the numbers of the latter; references to axes
+    are addresses in the file, which xarray follows."""
+    found = {}
+
+    def see(name, item):
+        attributes = {key: str(value) for key, value in item.attrs.items()
+                      if key not in ("deck", "REFERENCE_LIST", "DIMENSION_LIST")}
+        found[name] = (attributes, item[()] if isinstance(item, h5py.Dataset) else None)
+
+    with h5py.File(path, "r") as file:
+        see("/", file)
+        file.visititems(see)
+    return found
+
+
+def check_compression(program, deck, compressed, folder):
+    """The same deck without compression has the same results in a larger file."""
+    program.done(1, "run", deck, "output.compress=false", "-o", folder)
+    plain = folder / "results.h5"
+    one, other = contents(compressed), contents(plain)
+    if one.keys() != other.keys():
+        raise SystemExit(f"{deck}: only one file has {sorted(one.keys() ^ other.keys())}")
+    for name, (attributes, numbers) in one.items():
+        same = numbers is None or np.array_equal(numbers, other[name][1], equal_nan=True)
+        if attributes != other[name][0] or not same:
+            raise SystemExit(f"{deck}: compression changes {name}: {attributes}, {other[name][0]}")
+    arrays, of_plain = read(compressed), read(plain)
+    unlike = [name for name, array in arrays.items() if not array.identical(of_plain[name])]
+    if unlike:
+        raise SystemExit(f"{deck}: compression changes the arrays {unlike}")
+    with h5py.File(compressed, "r") as file:
+        history = file["history/energy/ground_elastic"]
+        if not (history.shuffle and history.compression == "gzip"):
+            raise SystemExit(f"{deck}: the histories are not compressed")
+    small, large = compressed.stat().st_size, plain.stat().st_size
+    if small > 0.7 * large:
+        raise SystemExit(f"{deck}: {small} bytes with compression, {large} without")
+
+
 def main():
     program, source = Program(sys.argv[1]), pathlib.Path(sys.argv[2])
     folder = pathlib.Path(sys.argv[3])
@@ -133,6 +178,10 @@ def main():
         place = folder / pathlib.Path(deck).stem
         program.done(1, "run", source / deck, *changes, "-o", place)
         check(place / "results.h5", dimensions)
+    for deck in COMPRESSED:
+        name = pathlib.Path(deck).stem
+        check_compression(program, source / deck, folder / name / "results.h5",
+                          folder / f"{name}_plain")
     single = read(folder / "track/results.h5")["history/sleeper/x"]
     with h5py.File(folder / "track/results.h5", "r") as file:
         if not np.array_equal(single.values, file["sleepers/x"][()]):

@@ -32,6 +32,10 @@ class File {
   File(File&&) noexcept;
   File& operator=(File&&) noexcept;
   void close(Sync sync = Sync::to_disk);
+  // Datasets that are created from now on are compressed without loss (shuffle, deflate), except
+  // small ones of fixed size. For files of one rank: parallel HDF5 merges the writes of compressed
+  // datasets, and these do not report a full disk.
+  void compress();
 
   // Writes all ranks' rows, in rank order, as a [rows, columns] dataset ([rows] if columns is 1).
   // T: double, float, std::int64_t, std::uint64_t, std::int32_t, std::int8_t, std::uint8_t.

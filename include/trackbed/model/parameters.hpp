@@ -92,6 +92,7 @@ struct RunOutput {
   double checkpoint_wall_interval = 1800;  // s of wall time; 0: none
   double wall_time = 0;                    // s of wall time after which the run stops; 0: none
   std::int64_t stop_after = 0;             // windows after which the run stops; 0: none
+  bool compress = true;                    // results.h5, at the end of the run
   void declare(input::Section& s);
 };
 

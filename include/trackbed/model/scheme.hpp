@@ -55,6 +55,8 @@ class Scheme {
   // After an error that all ranks have: writes what can still be written. Returns where the state
   // at the error can be seen, or nothing. Does not throw.
   virtual std::string rescue() noexcept { return {}; }
+  // After the last stage: nothing more is added to the results.
+  virtual void finish() {}
   // Warnings on results of a finished run.
   virtual std::vector<std::string> warnings_at_end() = 0;
   virtual void summarize(nlohmann::ordered_json& summary) = 0;

@@ -46,7 +46,7 @@ class PassageHistories {
   const std::vector<double>& lowest() const { return lowest_; }
   void archive(io::Archive& a);  // rows and extremes
   // Writes results.h5 at `path` and replaces an existing file. Collective; throws RunError.
-  void write(const par::Comm& comm, const std::string& path, const About& about);
+  void write(const par::Comm& comm, const std::string& path, const About& about, bool compress);
 
  private:
   void put(std::size_t column, double value) { columns_[column].values.push_back(value); }

@@ -170,6 +170,9 @@ class Results {
   // Extremes over the history rows of stage number `stage`, relative to its first row.
   void envelope(std::int64_t stage);
   void flush();
+  // At the end of a run: replaces the file by a compressed one with the same contents. Returns why
+  // that failed, or nothing; the file is complete in either case.
+  std::string compress();
 
  private:
   struct Impl;

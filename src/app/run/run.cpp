@@ -134,6 +134,7 @@ Outcome Run::stop() {
 Outcome Run::finish() {
   // After the loop the number is one beyond the last stage.
   course_.stage = scheme_.stages() - 1;
+  scheme_.finish();
   for (const std::string& warning : scheme_.warnings_at_end()) context_.warn(warning);
   write_summary(Outcome::finished);
   progress_.note("end", {{"outcome", "finished"}});

@@ -199,7 +199,8 @@ void PassageScheme::end_stage() {
 void PassageScheme::flush() {
   histories_.write(
       run_.comm, run_.folder + "/results.h5",
-      {.deck = effective_deck(run_.model), .version = version(), .build = build_description()});
+      {.deck = effective_deck(run_.model), .version = version(), .build = build_description()},
+      run_.model.output.compress);
 }
 
 std::string PassageScheme::rescue() noexcept {

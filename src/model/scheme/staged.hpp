@@ -32,6 +32,7 @@ class StagedScheme final : public Scheme {
   bool keeps_stages() const override { return true; }
   void flush() override { results_.flush(); }
   std::string rescue() noexcept override;
+  void finish() override;
   std::vector<std::string> warnings_at_end() override;
   void summarize(nlohmann::ordered_json& summary) override;
   void archive(io::Archive& a) override;

@@ -118,6 +118,14 @@ void StagedScheme::sample() {
                                    .sensors = sensors});
 }
 
+void StagedScheme::finish() {
+  if (!model_.output.compress) return;
+  const auto timing = run_.timers.scope(Phase::output);
+  const std::string failure = results_.compress();
+  if (!failure.empty())
+    run_.warn(fmt::format("results.h5 is complete but was not compressed: {}", failure));
+}
+
 void StagedScheme::summarize(nlohmann::ordered_json& summary) {
   put_figures({.world = world_,
                .course = run_.course,

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <random>
 
 #include "io/seal.hpp"
 #include "trackbed/core/error.hpp"
@@ -99,6 +101,28 @@ TEST(FileFailure, SurvivesADiskThatFillsUpWhileAppending) {
   for (int i = 0; i < 100 && text == "no failure"; ++i)
     text = failure_of([&] { file.append<double>("/history", block, 1, label); });
   EXPECT_TRUE(contains(text, scratch / "a.h5: dataset /history cannot be written")) << text;
+}
+
+// Numbers that hardly become smaller.
+TEST(FileFailure, SurvivesADiskThatFillsUpWithCompressedRows) {
+  const Scratch scratch("full_compressed");
+  const par::Comm self = par::Comm::self();
+  const std::string path = scratch / ("a" + std::to_string(world().rank()) + ".h5");
+  std::mt19937_64 random(1);
+  std::vector<double> block(4096);
+  for (double& value : block) value = std::ldexp(static_cast<double>(random()), -64);
+  std::string text = "no failure";
+  {
+    const SmallDisk disk(1 << 20);
+    File file(self, path, Mode::create);
+    file.compress();
+    for (int i = 0; i < 100 && text == "no failure"; ++i)
+      text = failure_of([&] { file.append<double>("/history", block, 1, label); });
+    EXPECT_TRUE(contains(text, path + ": dataset /history cannot be written")) << text;
+  }
+  File file(self, path, Mode::create);
+  file.write<double>("/x", block, 1, label);
+  file.close();
 }
 
 // The folder is deleted while a checkpoint is written: HDF5 has the file open and does not notice.
