@@ -17,13 +17,15 @@ namespace trackbed::observe {
 
 namespace {
 
-// Sums over the stones of a sensor; each vector has three consecutive ones.
+// Sums over the stones that a sensor reads, and of the motion of those that it follows; each vector
+// has three consecutive ones. Sensors of stones read those that they follow.
 struct OfSensor {
-  static constexpr std::size_t stones = 0, position = 1, displacement = 4, velocity = 7,
-                               acceleration = 10, quantities = 13;
+  static constexpr std::size_t stones = 0, position = 1, velocity = 4, acceleration = 7,
+                               followed = 10, moved = 11, quantities = 14;
 };
 
-// From a place to a stone: to the nearest image in periodic directions; without y in a plane.
+// From a place to a stone: to the nearest image in
+// periodic directions; without y in a plane.
 Vec3 from_place(const dem::Domain& domain, const Vec3& place, const Vec3& stone) {
   Vec3 d = stone - place;
   for (int a = 0; a < 3; ++a) {
@@ -37,17 +39,19 @@ Vec3 from_place(const dem::Domain& domain, const Vec3& place, const Vec3& stone)
 
 Vec3 place_of(const Sensor& sensor) { return {sensor.at[0], sensor.at[1], sensor.at[2]}; }
 
+Vec3 mean(const double* sum, std::size_t first, double number) {
+  return Vec3(sum[first], sum[first + 1], sum[first + 2]) / number;
+}
+
 SensorReading means_of(const double* sum) {
   SensorReading reading;
+  const double followed = sum[OfSensor::followed];
+  if (followed > 0) reading.displacement = mean(sum, OfSensor::moved, followed);
   reading.stones = sum[OfSensor::stones];
   if (reading.stones == 0) return reading;
-  const auto mean = [&](std::size_t first) {
-    return Vec3(Vec3(sum[first], sum[first + 1], sum[first + 2]) / reading.stones);
-  };
-  reading.position = mean(OfSensor::position);
-  reading.displacement = mean(OfSensor::displacement);
-  reading.velocity = mean(OfSensor::velocity);
-  reading.acceleration = mean(OfSensor::acceleration);
+  reading.position = mean(sum, OfSensor::position, reading.stones);
+  reading.velocity = mean(sum, OfSensor::velocity, reading.stones);
+  reading.acceleration = mean(sum, OfSensor::acceleration, reading.stones);
   return reading;
 }
 
@@ -67,19 +71,20 @@ void Sensor::declare(input::Section& s) {
       "Radius around the sensor within which stones are averaged; 0: the nearest stone (kind = "
       "\"stones\" only).");
   s.text("stage", stage,
-         "Stage at the start of which the stones are chosen (kind = \"stones\"); empty: the last "
-         "passage, or the last stage if there is none.");
+         "Stage at the start of which the stones are chosen (kind = \"stones\") or from which on "
+         "displacements are summed up (kind = \"place\"); empty: the last passage, or the last "
+         "stage if there is none.");
   s.rule("radius", kind != SensorKind::place || radius > 0,
          "must be above 0 for kind = \"place\", which reads the stones around its place",
          {.reads = {"kind", "radius"}});
   s.rule("radius", kind != SensorKind::ground || radius == 0,
          "has no effect on a sensor in the ground; leave it out", {.reads = {"kind", "radius"}});
-  s.rule("stage", kind == SensorKind::stones || stage.empty(),
-         "has an effect only for kind = \"stones\"; leave it out", {.reads = {"kind", "stage"}});
+  s.rule("stage", kind != SensorKind::ground || stage.empty(),
+         "has no effect on a sensor in the ground; leave it out", {.reads = {"kind", "stage"}});
 }
 
 Sensors::Sensors(const par::Comm& comm, const std::vector<Sensor>& sensors, double gravity)
-    : comm_(comm), sensors_(sensors), gravity_(gravity), followed_(sensors.size()) {}
+    : comm_(comm), sensors_(sensors), gravity_(gravity), following_(sensors.size()) {}
 
 void Sensors::locate(const fem::Ground& ground) {
   std::vector<Vec3> places;
@@ -149,10 +154,12 @@ std::vector<std::string> Sensors::begin_stage(const std::string& stage, bool usu
   std::vector<std::string> warnings;
   for (std::size_t k = 0; k < sensors_.size(); ++k) {
     const Sensor& sensor = sensors_[k];
-    if (sensor.kind != SensorKind::stones) continue;
+    if (sensor.kind == SensorKind::ground) continue;
     if (sensor.stage != stage && !(sensor.stage.empty() && usual)) continue;
-    followed_[k] = sensor.radius > 0 ? within(sensor, particles) : nearest(sensor, particles);
-    if (followed_[k].empty())
+    following_[k] = {
+        .begun = true,
+        .stones = sensor.radius > 0 ? within(sensor, particles) : nearest(sensor, particles)};
+    if (following_[k].stones.empty() && sensor.kind == SensorKind::stones)
       warnings.push_back(
           fmt::format("sensor \"{}\" reads nothing: at the start of stage \"{}\" no stone has its "
                       "centre of mass within {:g} m of [{:g}, {:g}, {:g}] m; give a larger radius",
@@ -164,11 +171,9 @@ std::vector<std::string> Sensors::begin_stage(const std::string& stage, bool usu
 // Of the stones of each sensor, in the order of `OfSensor`.
 std::vector<double> Sensors::sums_over(const dem::Particles& particles) const {
   Sums sums(OfSensor::quantities);
-  const auto add = [&](std::size_t sensor, const dem::ParticleView& stone, const Vec3& from) {
-    const Vec3 moved = stone.position - from;
+  const auto add = [&](std::size_t sensor, const dem::ParticleView& stone) {
     sums.add(sensor, OfSensor::stones, 1.0);
     sums.add(sensor, OfSensor::position, stone.position);
-    sums.add(sensor, OfSensor::displacement, moved);
     sums.add(sensor, OfSensor::velocity, stone.velocity);
     sums.add(sensor, OfSensor::acceleration, stone.acceleration(gravity_));
   };
@@ -176,22 +181,37 @@ std::vector<double> Sensors::sums_over(const dem::Particles& particles) const {
     const dem::ParticleView stone = particles[i];
     for (std::size_t k = 0; k < sensors_.size(); ++k) {
       const Sensor& sensor = sensors_[k];
-      if (sensor.kind == SensorKind::place) {
-        const Vec3 d = from_place(particles.domain(), place_of(sensor), stone.position);
-        if (d.norm() < sensor.radius) add(k, stone, stone.position);
-      } else if (sensor.kind == SensorKind::stones) {
-        const auto& all = followed_[k];
-        const auto known = std::lower_bound(all.begin(), all.end(), stone.id,
-                                            [](const Followed& one, Id id) { return one.id < id; });
-        if (known != all.end() && known->id == stone.id) add(k, stone, known->from);
-      }
+      if (sensor.kind == SensorKind::ground) continue;
+      const bool at_place = sensor.kind == SensorKind::place;
+      if (at_place &&
+          from_place(particles.domain(), place_of(sensor), stone.position).norm() < sensor.radius)
+        add(k, stone);
+      const auto& all = following_[k].stones;
+      const auto known = std::lower_bound(all.begin(), all.end(), stone.id,
+                                          [](const Followed& one, Id id) { return one.id < id; });
+      if (known == all.end() || known->id != stone.id) continue;
+      if (!at_place) add(k, stone);
+      sums.add(k, OfSensor::followed, 1.0);
+      sums.add(k, OfSensor::moved, Vec3(stone.position - known->from));
     }
   }
   return sums.over_ranks(comm_, sensors_.size());
 }
 
+// Other stones come near and leave, so that positions of the present ones state no displacement:
+// from row to row the same stones are compared.
+SensorReading Sensors::read_place(std::size_t sensor, SensorReading reading, const double* sum,
+                                  const dem::Particles& particles) {
+  Following& place = following_[sensor];
+  if (!place.begun) return reading;
+  if (sum[OfSensor::followed] > 0) place.moved += reading.displacement;
+  place.stones = within(sensors_[sensor], particles);
+  reading.displacement = place.moved;
+  return reading;
+}
+
 std::vector<SensorReading> Sensors::read(const dem::Particles* particles,
-                                         const fem::Ground* ground) const {
+                                         const fem::Ground* ground) {
   std::vector<double> of_stones;
   if (particles) of_stones = sums_over(*particles);
   std::vector<fem::GroundPointState> states;
@@ -199,7 +219,11 @@ std::vector<SensorReading> Sensors::read(const dem::Particles* particles,
   std::vector<SensorReading> readings;
   for (std::size_t k = 0, point = 0; k < sensors_.size(); ++k) {
     if (sensors_[k].kind != SensorKind::ground) {
-      readings.push_back(means_of(&of_stones[k * OfSensor::quantities]));
+      const double* sum = &of_stones[k * OfSensor::quantities];
+      const SensorReading reading = means_of(sum);
+      readings.push_back(sensors_[k].kind == SensorKind::place
+                             ? read_place(k, reading, sum, *particles)
+                             : reading);
       continue;
     }
     const fem::GroundPointState& state = states.at(point++);
@@ -213,19 +237,21 @@ std::vector<SensorReading> Sensors::read(const dem::Particles* particles,
 
 void Sensors::archive(io::Archive& a) {
   for (std::size_t k = 0; k < sensors_.size(); ++k) {
-    const std::string group = sensors_[k].name;
-    if (!a.has(group, !followed_[k].empty())) continue;
-    io::Archive own = a.group(group);
+    Following& sensor = following_[k];
+    if (!a.has(sensors_[k].name, sensor.begun)) continue;
+    sensor.begun = true;
+    io::Archive own = a.group(sensors_[k].name);
     std::vector<double> ids;
-    for (const Followed& one : followed_[k]) ids.push_back(static_cast<double>(one.id));
+    for (const Followed& one : sensor.stones) ids.push_back(static_cast<double>(one.id));
     own("id", ids, {"-", "of the stones that the sensor follows"});
-    followed_[k].resize(ids.size());
-    for (std::size_t i = 0; i < ids.size(); ++i) followed_[k][i].id = static_cast<Id>(ids[i]);
-    own.rows("from", followed_[k], {"m", "where they were when chosen"}, &Followed::from);
+    sensor.stones.resize(ids.size());
+    for (std::size_t i = 0; i < ids.size(); ++i) sensor.stones[i].id = static_cast<Id>(ids[i]);
+    own.rows("from", sensor.stones, {"m", "where they were when chosen"}, &Followed::from);
+    own("moved", sensor.moved, {"m", "displacement at a place up to the last history row"});
   }
 }
 
-// Columns of the motion, x y z each; of a sensor that stays no displacement.
+// Columns of the motion, x y z each.
 void put_readings(const std::vector<Sensor>& sensors, std::span<const SensorReading> readings,
                   std::vector<Column>& columns) {
   ColumnWriter to(columns);
@@ -240,11 +266,11 @@ void put_readings(const std::vector<Sensor>& sensors, std::span<const SensorRead
       to.put(group + "position", {"m", "x y z, mean of the stones' centres of mass"},
              reading.position);
     }
-    if (kind != SensorKind::place)
-      to.put(group + "displacement",
-             {"m",
-              "x y z, " + of + (in_ground ? ", relative to static equilibrium" : ", since chosen")},
-             reading.displacement);
+    const std::string since = in_ground ? ", relative to static equilibrium"
+                              : kind == SensorKind::place
+                                  ? ", summed up from row to row since the start of its stage"
+                                  : ", since chosen";
+    to.put(group + "displacement", {"m", "x y z, " + of + since}, reading.displacement);
     to.put(group + "velocity", {"m/s", "x y z, " + of}, reading.velocity);
     to.put(group + "acceleration", {"m/s2", "x y z, " + of + ", no filter"}, reading.acceleration);
     if (in_ground)

@@ -25,7 +25,8 @@ struct Sensor {
   SensorKind kind = SensorKind::stones;
   std::vector<double> at = {0, 0, 0};  // m; y is not used in a plane
   double radius = 0;                   // m; 0: of the nearest stone only
-  // At whose start stones are chosen; empty: the last passage, or the last stage without passages.
+  // At whose start stones are chosen or the displacement at a place is zero; empty: the last
+  // passage, or the last stage without passages.
   std::string stage;
   void declare(input::Section& s);
 };
@@ -33,9 +34,12 @@ struct Sensor {
 // Of stones: means over them; not numbers without any, as before they are chosen.
 struct SensorReading {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  double stones = 0;                         // their number, of a sensor in the bed
-  Vec3 position = Vec3::Constant(none);      // m, of their centres of mass; of the ground: unused
-  Vec3 displacement = Vec3::Constant(none);  // m, since they were chosen; ground: since equilibrium
+  double stones = 0;                     // their number, of a sensor in the bed
+  Vec3 position = Vec3::Constant(none);  // m, of their centres of mass; of the ground: unused
+  // m, since the stones were chosen; ground: since equilibrium; place: sum over the rows since the
+  // start of the stage of the mean motion from row to row of the stones that were near at the
+  // former
+  Vec3 displacement = Vec3::Constant(none);
   Vec3 velocity = Vec3::Constant(none);      // m/s
   Vec3 acceleration = Vec3::Constant(none);  // m/s^2
   std::array<double, 6> stress{};  // Pa, of the ground: xx yy zz xy xz yz, tension positive
@@ -50,12 +54,14 @@ class Sensors {
   // Finds the points in the ground. Throws InputError with a sentence for each that is outside of
   // it. Collective, as all below.
   void locate(const fem::Ground& ground);
-  // Chooses the stones of all sensors of this stage; `usual`: it is that of sensors without one.
-  // Returns a warning for each sensor without stones.
+  // Chooses the stones of all sensors of this stage and begins the displacements at places;
+  // `usual`: it is that of sensors without one. Returns a warning for each sensor that follows no
+  // stone.
   std::vector<std::string> begin_stage(const std::string& stage, bool usual,
                                        const dem::Particles& particles);
-  // A null pointer is a part that the model does not have. In the order of the deck.
-  std::vector<SensorReading> read(const dem::Particles* particles, const fem::Ground* ground) const;
+  // Once for each row. A null pointer is a part that the model does not have. In the order of the
+  // deck.
+  std::vector<SensorReading> read(const dem::Particles* particles, const fem::Ground* ground);
   bool empty() const { return sensors_.empty(); }
   void archive(io::Archive& a);  // stones chosen
 
@@ -65,16 +71,24 @@ class Sensors {
     Id id = 0;
     Vec3 from = Vec3::Zero();
   };
+  // Of one sensor of stones or of a place, from its stage on.
+  struct Following {
+    bool begun = false;
+    std::vector<Followed> stones;  // by id; of a place those near it at the last row
+    Vec3 moved = Vec3::Zero();     // m, at a place, up to the last row
+  };
   std::vector<double> sums_over(const dem::Particles& particles) const;
+  SensorReading read_place(std::size_t sensor, SensorReading reading, const double* sum,
+                           const dem::Particles& particles);
   std::vector<Followed> of_all_ranks(const std::vector<Followed>& mine) const;
   std::vector<Followed> nearest(const Sensor& sensor, const dem::Particles& particles) const;
   std::vector<Followed> within(const Sensor& sensor, const dem::Particles& particles) const;
 
   par::Comm comm_;
   const std::vector<Sensor>& sensors_;
-  double gravity_;                               // m/s^2, of stones
-  std::vector<std::vector<Followed>> followed_;  // of each sensor, by id
-  std::vector<fem::GroundPoint> points_;         // of those of the ground, in the order of the deck
+  double gravity_;                        // m/s^2, of stones
+  std::vector<Following> following_;      // of each sensor
+  std::vector<fem::GroundPoint> points_;  // of those of the ground, in the order of the deck
 };
 
 }  // namespace trackbed::observe
