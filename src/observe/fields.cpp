@@ -64,16 +64,22 @@ io::Grid contact_lines(const dem::Particles& particles) {
   grid.kind = io::CellKind::line;
   io::FieldData force{"force", {"N", "of the springs, on the first of the two pieces"}, 3, {}},
       size{"force_size", {"N", "magnitude of the force"}, 1, {}},
-      overlap{"overlap", {"m", "of the two pieces"}, 1, {}};
+      overlap{"overlap", {"m", "of the two pieces"}, 1, {}},
+      first{"first_stone", {"-", "number of the first of the two stones"}, 1, {}, true},
+      second{
+          "second_stone", {"-", "number of the second stone; below 0: of a surface"}, 1, {}, true};
   particles.contacts([&](const dem::ContactView& contact) {
-    const auto first = static_cast<std::int64_t>(grid.points.size());
+    const auto from = static_cast<std::int64_t>(grid.points.size());
     grid.points.insert(grid.points.end(), {contact.from, contact.to});
-    grid.cells.insert(grid.cells.end(), {first, first + 1});
+    grid.cells.insert(grid.cells.end(), {from, from + 1});
+    first.values.push_back(static_cast<double>(contact.first));
+    second.values.push_back(static_cast<double>(contact.second));
     for (int k = 0; k < 3; ++k) force.values.push_back(contact.force[k]);
     size.values.push_back(contact.force.norm());
     overlap.values.push_back(contact.overlap);
   });
-  grid.cell_data = {std::move(force), std::move(size), std::move(overlap)};
+  grid.cell_data = {std::move(force), std::move(size), std::move(overlap), std::move(first),
+                    std::move(second)};
   return grid;
 }
 
