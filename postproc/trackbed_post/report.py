@@ -1,10 +1,10 @@
 """One HTML file of a run, or of several side by side: what was modelled, stages, warnings, figures,
 numbers, balances and cost. It needs no other file and can be sent as it is.
 
-The model is drawn by the program; figures and numbers are those of the command `figures`. While a
-run goes on, the report shows how far it is and what its histories hold up to now; stages, balances
-and cost follow when summary.json exists. A report can be written again and again until its runs
-have ended.
+The drawing of the model is that which the program leaves beside its results; figures and numbers
+are those of the command `figures`. While a run goes on, the report shows how far it is and what its
+histories hold up to now; stages, balances and cost follow when summary.json exists. A report can be
+written again and again until its runs have ended.
 """
 import base64
 import dataclasses
@@ -161,12 +161,21 @@ def compared_with(results, over):
             for quantity, file in over]
 
 
+def model_of(run, given):
+    """The drawing of a run's model: that beside its results, or, if a program is `given` or there
+    is none, one that the program makes."""
+    drawing = run.folder / "model.svg"
+    if given is None and drawing.is_file():
+        return drawing.read_text(encoding="utf-8")
+    return program.drawing(run.text, given)
+
+
 def models_of(runs, given):
     """The model of each deck, seen from the side; `given`: the program. Equal drawings once."""
     drawn = {}
     for run in runs:
         try:
-            drawn.setdefault(program.drawing(run.text, given), []).append(run.name)
+            drawn.setdefault(model_of(run, given), []).append(run.name)
         except read.Unreadable as why:
             drawn[element("p", f"{run.name}: {why}")] = []
     return "\n".join(element("h3", " and ".join(names)) + image("model", "svg+xml", text.encode())

@@ -111,6 +111,17 @@ def test_equal_models_are_drawn_once(tmp_path):
     assert base64.b64decode(drawn[0].partition(",")[2]) == b"<svg>check</svg>\n"
 
 
+def test_the_drawing_beside_the_results_needs_no_program(tmp_path):
+    run = made(tmp_path / "one")
+    (run / "model.svg").write_text("<svg>made by the run</svg>", encoding="utf-8")
+    path = tmp_path / "report.html"
+    ran = conftest.call("report", run, "-o", path)
+    assert ran.returncode == 0, ran.stderr
+    drawn = [source for source in Page(path.read_text(encoding="utf-8")).sources
+             if source.startswith("data:image/svg+xml;base64,")]
+    assert base64.b64decode(drawn[0].partition(",")[2]) == b"<svg>made by the run</svg>"
+
+
 def test_a_model_whose_cell_is_gone_is_drawn_without_it(tmp_path):
     drawer = program(tmp_path, 'case "$*" in\n*bed.cell=*) echo "<svg/>" > model.svg;;\n'
                      '*) echo "bed.cell does not exist" >&2; exit 2;;\nesac')

@@ -93,6 +93,27 @@ void require_readable(const par::Comm& comm, const std::string& path) {
   if (!problem.empty()) throw InputError({problem});
 }
 
+// On rank 0; a picture that cannot be written is a failure of the command.
+void draw(const par::Comm& comm, const std::string& path, const model::Model& model,
+          const std::vector<bed::PlacedShape>& shapes, const std::string& deck) {
+  io::replace_file(comm, path, [&](const std::string& part) {
+    std::string problem;
+    if (comm.root()) {
+      std::ofstream file(part);
+      file << model::drawing_of(model, shapes, deck);
+      if (!file.flush()) problem = path + " cannot be written: " + std::strerror(errno);
+    }
+    comm.agree(problem);
+  });
+}
+
+void draw_if_wanted(const par::Comm& comm, const std::string& path, const model::Model& model,
+                    const std::vector<bed::PlacedShape>& shapes, const std::string& deck) {
+  if (path.empty()) return;
+  draw(comm, path, model, shapes, deck);
+  print(comm, "drawing: " + path + "\n");
+}
+
 }  // namespace
 
 // Without -o the folder has the name of the deck file.
@@ -127,6 +148,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
       comm, folder,
       arguments.force || arguments.or_resume ? OldResults::remove : OldResults::refuse,
       {start, model.bed.cell});
+  draw(comm, folder + "/model.svg", model, to_place.shapes, arguments.deck);
   model::RunContext context(comm, model, deck, arguments.deck, folder);
   const std::unique_ptr<model::Scheme> scheme = model::make_scheme(context, to_place.shapes);
   Run run(context, *scheme);
@@ -137,22 +159,6 @@ int run(const par::Comm& comm, const Arguments& arguments) {
 }
 
 namespace {
-
-// On rank 0; a picture that cannot be written is a failure of the command.
-void draw(const par::Comm& comm, const std::string& path, const model::Model& model,
-          const std::vector<bed::PlacedShape>& shapes, const std::string& deck) {
-  if (path.empty()) return;
-  io::replace_file(comm, path, [&](const std::string& part) {
-    std::string problem;
-    if (comm.root()) {
-      std::ofstream file(part);
-      file << model::drawing_of(model, shapes, deck);
-      if (!file.flush()) problem = path + " cannot be written: " + std::strerror(errno);
-    }
-    comm.agree(problem);
-  });
-  print(comm, "drawing: " + path + "\n");
-}
 
 void require_svg(const std::string& path) {
   if (!path.empty() && !path.ends_with(".svg"))
@@ -180,7 +186,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
       print(comm, ground.size + "\n");
     model::check_track(comm, model);  // takes steps, and so uses the options of the ground
     warn_of_unused_options(comm, fem::Petsc::unused_options());
-    draw(comm, arguments.drawing, model, {}, arguments.deck);
+    draw_if_wanted(comm, arguments.drawing, model, {}, arguments.deck);
     print(comm, arguments.deck + " is valid\n");
     return static_cast<int>(ExitCode::success);
   }
@@ -195,7 +201,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   look_at_profiles(model, warnings);
   model::check_stages(
       comm, model, {deck, arguments.deck, start, ground.size, to_place, stones, arguments.ranks});
-  draw(comm, arguments.drawing, model, to_place.shapes, arguments.deck);
+  draw_if_wanted(comm, arguments.drawing, model, to_place.shapes, arguments.deck);
   print(comm, arguments.deck + " is valid\n");
   return static_cast<int>(ExitCode::success);
 }
