@@ -174,7 +174,14 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "region.below.cells=[1.5,1,1]": "must be whole numbers",
            "region.below.cells=[1000,1,11]": "must be at most 10000 cells in total",
            "region.below.name=a/b": "must be a word of letters"}
-WARNED = {"jump.cycles=9": "has no effect: no stage is of kind jump",
+WARNED = {"stage.passage.ground_moves=false":
+              "holds the ground, which moves in a stage before: it keeps its deformation",
+          "stage.load.settlement=0.2": "usual values (at most 0.01 m)",
+          f"{TRAIN} train.speed=120": "usual values (1 to 100 m/s)",
+          f"{TRAIN} pad.damping=25": "is small: usually at least 100 N s/m; is it meant in kN s/m?",
+          f"{TRAIN} output.history_interval=0.05 train.speed=40":
+              "lets the train move 2 m between two rows of the histories",
+          "jump.cycles=9": "has no effect: no stage is of kind jump",
           "jump.exponent=0.2": "has no effect: no stage is of kind jump",
           "jump.period=0.2": "has no effect: no stage is of kind jump",
           "jump.least_friction=0.2": "has no effect: no stage is of kind jump",

@@ -260,6 +260,19 @@ bool keeps_short_waves(const fem::GroundParameters& ground) {
 
 }  // namespace
 
+// A ground that is held after it moved keeps its deformation, and the load on it may change.
+void declare_held_again(const Model& model, input::Section& s) {
+  bool moved = false;
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const bool moves = model.stages[i].ground_moves;
+    s.rule(fmt::format("stage[{}].ground_moves", i), moves || !moved,
+           "holds the ground, which moves in a stage before: it keeps its deformation whatever its "
+           "load",
+           {.severity = input::Severity::warning, .reads = {"stage"}});
+    moved = moved || moves;
+  }
+}
+
 void declare_delay(const Model& model, input::Section& s) {
   const fem::GroundParameters& ground = model.ground;
   const auto moves = [](const Stage& stage) { return stage.ground_moves; };

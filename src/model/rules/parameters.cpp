@@ -93,6 +93,8 @@ void RunOutput::declare(input::Section& s) {
   s.integer("stop_after", stop_after, {.at_least = 0},
             "Number of time windows after which a checkpoint is written and the run stops. Windows "
             "are counted from the start of the run, also after a resume; 0: no limit.");
+  s.flag("compress", compress,
+         "Whether results.h5 is compressed when the run ends (without loss; shuffle and deflate).");
 }
 
 void FieldOutput::declare(input::Section& s) {
@@ -225,6 +227,7 @@ void Model::declare(input::Section& s) {
   declare_intervals(*this, s);
   declare_ground_mesh(*this, s);
   declare_delay(*this, s);
+  declare_held_again(*this, s);
   track.declare(s);
   sleepers.gauge = has_train() ? track.line.track.wheel_gauge() : load.gauge;
   declare_train(*this, s);

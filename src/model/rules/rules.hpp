@@ -19,6 +19,8 @@ void declare_ground_mesh(const Model& model, input::Section& s);
 void declare_ground_sides(const Model& model, input::Section& s);
 // Warns of a ground without the damping that the coupling needs, after the time steps.
 void declare_delay(const Model& model, input::Section& s);
+// Warns of a ground that is held in a stage after it moved.
+void declare_held_again(const Model& model, input::Section& s);
 // Parameters without effect: sides that a plane model does not have, `sides` if each side has its
 // own kind. Blocks of a plane model have no position across the track.
 void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension,

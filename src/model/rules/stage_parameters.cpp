@@ -121,7 +121,7 @@ void Stage::declare_loads(input::Section& s) {
       "the sleepers as they are; kept: that of the preceding train, whose pads take up their "
       "forces within `ramp`: it lifts the sleepers that have settled more than their "
       "neighbours since.");
-  s.number("settlement", settlement, {.unit = "m", .at_least = 0},
+  s.number("settlement", settlement, {.unit = "m", .at_least = 0, .usually_to = 0.01},
            "The stage ends early after a cycle in which no sleeper settles by more than this value "
            "(load and passage with cycles); 0: the stage does not end early.");
 }

@@ -227,13 +227,20 @@ void declare_warnings(const Model& model, input::Section& s) {
   const double mass = bed.density * bed.width * bed.height * length / model.seat.rails;
   const track::TrackParameters& track = model.track.line.track;
   const double given = track.sleeper_mass / static_cast<double>(track.rails);
-  constexpr double far = 2;
+  constexpr double far = 1.6;  // less than the number of rails
   s.rule("seat.rails", mass <= far * given && given <= far * mass,
          fmt::format("gives {:.3g} kg per rail for a sleeper of the bed, but a sleeper on springs "
                      "has {:.3g} kg per rail (track.sleeper_mass): check the number of rails",
                      mass, given),
          {.severity = input::Severity::warning,
           .reads = {"track", "sleepers", "seat", "stage", "material", "thickness"}});
+  // Extremes below a wheel are seen if each sleeper has a row with the wheel near it.
+  const double between = model.track.train.speed * model.output.history_interval;
+  s.rule("output.history_interval", between <= bed.spacing,
+         fmt::format("lets the train move {:.3g} m between two rows of the histories: peaks below "
+                     "its wheels are missed; give at most {:.2g} s (half the sleeper spacing)",
+                     between, bed.spacing / 2 / model.track.train.speed),
+         {.severity = input::Severity::warning, .reads = {"output", "train", "sleepers", "stage"}});
   const TrackOutput none;
   const TrackOutput& passage = model.track.passage;
   const auto unused = [&](const char* key, bool given_one, const char* instead) {

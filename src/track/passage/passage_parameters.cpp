@@ -20,6 +20,9 @@ bool is_multiple(double length, double of) {
   return ratio > 0.5 && std::abs(ratio - std::round(ratio)) < whole_multiple * ratio;
 }
 
+// N s/m, of a rail pad: a hundredth of what is measured on soft pads.
+constexpr double usual_damping = 100;
+
 }  // namespace
 
 // Defaults are those of a medium pad under traffic; static values of a manufacturer may be half.
@@ -52,6 +55,10 @@ void PadParameters::declare(input::Section& s) {
   s.rule("bilinear_stiffness", bilinear_at > 0 || bilinear_stiffness == 0,
          "has no effect with bilinear_at = 0",
          {.severity = input::Severity::warning, .reads = {"bilinear_at", "bilinear_stiffness"}});
+  s.rule(
+      "damping", damping == 0 || damping >= usual_damping,
+      fmt::format("is small: usually at least {:g} N s/m; is it meant in kN s/m?", usual_damping),
+      {.severity = input::Severity::warning, .reads = {"damping"}});
   s.rule("damping", bilinear_at == 0 || damping > 0,
          "leaves bilinear pads undamped: energy may increase in steps in which the compression "
          "passes bilinear_at",

@@ -397,7 +397,7 @@ void TrainParameters::declare(input::Section& s) {
   s.texts("vehicles", vehicles,
           "Names of vehicles of the deck ([[vehicle]]) or of the library, front first. The list "
           "may be empty if there is a [[force]]; it must be empty with seat loads.");
-  s.number("speed", speed, {.unit = "m/s", .at_least = 0, .usually_from = 1, .usually_to = 170},
+  s.number("speed", speed, {.unit = "m/s", .at_least = 0, .usually_from = 1, .usually_to = 100},
            "Speed along x at the start, constant unless train.times are given; 0: the train stands "
            "at train.start for passage.duration.");
   s.number("start", start, {.unit = "m", .usually_from = -500, .usually_to = 2000},
@@ -406,7 +406,7 @@ void TrainParameters::declare(input::Section& s) {
   s.numbers("times", times, {.unit = "s", .above = 0, .usually_to = 1000},
             "Times since the start at which train.speeds are reached; up to the last time the "
             "speed varies linearly; after it, the speed is constant.");
-  s.numbers("speeds", speeds, {.unit = "m/s", .at_least = 0, .usually_from = 1, .usually_to = 170},
+  s.numbers("speeds", speeds, {.unit = "m/s", .at_least = 0, .usually_from = 1, .usually_to = 100},
             "Speed at each of train.times; 0: the train stands. Longitudinal effects of braking on "
             "the vehicles are not modelled.");
   declare_changes(s);
