@@ -60,7 +60,7 @@ def write_report(given):
         report.follow(given.results, given.output, choices, given.every)
     else:
         report.write_report(given.results, given.output, choices)
-    print(f"{given.output}: {given.output.stat().st_size / 1e6:.1f} MB")
+    print(f"{given.output}: {write.size(given.output.stat().st_size)}")
 
 
 def draw_still(given):

@@ -24,9 +24,10 @@ def survey_of(shots, parts):
 
 
 def pictures(shots, window):
+    pace = film_files.pace([shot.time for shot in shots])
     for shot in shots:
         window.show(grids.read_grids(shot.files))
-        yield window.picture(shot.label())
+        yield window.picture(", ".join(filter(None, (shot.label(), pace))))
 
 
 def film(folder, path, choices, remark=""):
@@ -49,4 +50,4 @@ def film(folder, path, choices, remark=""):
                                         choices.x))
     content = film_files.encoded(path, drawn)
     write.whole(path, content)
-    print(f"{path}: {len(content) / 1e6:.1f} MB")
+    print(f"{path}: {write.size(len(content))}")

@@ -6,11 +6,30 @@ import shutil
 import subprocess
 import tempfile
 
+import numpy as np
 from PIL import Image
 
 from trackbed_post import read
 
 FRAME_MS = 120  # each picture is shown
+EVEN = 0.1      # relative, by which steps of time may differ from the median
+FEW = 0.1       # of the steps, which may differ by more: those at the ends of stages
+
+
+def pace(times):
+    """Words that state how much slower the film of these instants, s, is than what it shows; of
+    one instant nothing."""
+    steps = np.diff(times)
+    if not len(steps):
+        return ""
+    step = np.median(steps)
+    if step <= 0 or np.mean(np.abs(steps - step) > EVEN * step) > FEW:
+        return f"a picture every {FRAME_MS} ms, at uneven times"
+    slower = FRAME_MS / 1e3 / step
+    if abs(slower - 1) < EVEN:
+        return "real speed"
+    return f"{slower:.2g} times slower than real" if slower > 1 else \
+        f"{1 / slower:.2g} times faster than real"
 
 
 def require_name(path):

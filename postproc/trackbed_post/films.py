@@ -43,4 +43,4 @@ def of_transition(given):
     content = film_files.encoded(given.output, pictures)
     write.folder(given.output.resolve().parent)
     write.whole(given.output, content)
-    print(f"{given.output}: {len(content) / 1e6:.1f} MB")
+    print(f"{given.output}: {write.size(len(content))}")

@@ -175,11 +175,16 @@ class Scene:
         figure_csv.state(self.chains, "contact force, N", chains.force)
         return self.chains
 
+    def key_of_chains(self, largest):
+        """Artists and labels of a legend: what the width of a line is; `largest` force, N."""
+        kilonewtons = largest / 1e3
+        return ([matplotlib.lines.Line2D([], [], color=FORCE, lw=CHAIN_WIDTH)],
+                [f"contact force, width proportional; this line: "
+                 f"{kilonewtons:.{0 if kilonewtons >= 10 else 2}f} kN in a model "
+                 f"{self.run.deck.get('thickness', 1):g} m thick"])
+
     def explain_chains(self, largest):
-        self.panel.legend(
-            [matplotlib.lines.Line2D([], [], color=FORCE, lw=CHAIN_WIDTH)],
-            [f"contact force, width proportional; this line: {largest / 1e3:.0f} kN in a model "
-             f"{self.run.deck.get('thickness', 1):g} m thick"], loc="upper right", fontsize=9)
+        self.panel.legend(*self.key_of_chains(largest), loc="upper right", fontsize=9)
 
     def set_train(self, axles):
         """Wheels at these x (nan: not on the track), and a sketch of bogies and bodies if all

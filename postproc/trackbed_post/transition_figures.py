@@ -6,7 +6,8 @@ import textwrap
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import ground_blocks, measures, model_drawing, panels, read, shades, write
+from trackbed_post import (film_files, ground_blocks, measures, model_drawing, panels, read, shades,
+                           write)
 from trackbed_post.ground_transition import REACHED
 
 # Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
@@ -97,15 +98,15 @@ def compare(trains, changes, sentence):
 
 
 def instants(train, folder):
-    """(row of the passage, file of contacts) of each field file within the passage, from the first
-    to the last at which a wheel is shown."""
+    """(row of the passage, time, s, file of contacts) of each field file within the passage, from
+    the first to the last at which a wheel is shown."""
     low, high = model_drawing.ends_of(train.run)
     found = []
     for time, file in read.series(folder, "contacts"):
         row = int(np.argmin(np.abs(train.passing.time - time)))
         if abs(train.passing.time[row] - time) <= 2 * np.median(np.diff(train.passing.time)):
-            found.append((row, file))
-    shown = [k for k, (row, _) in enumerate(found)
+            found.append((row, time, file))
+    shown = [k for k, (row, *_) in enumerate(found)
              if np.any((train.passing.x[row] > low) & (train.passing.x[row] < high))]
     return found[shown[0]:shown[-1] + 1] if shown else []
 
@@ -120,7 +121,7 @@ def draw_model(train, folder):
     close = figure.add_axes(np.array([0.6, 0.6, 12.2, 1.7]) / size)
     scenes = [model_drawing.Scene(panel, train.run, model_drawing.CUT),
               model_drawing.Scene(close, train.run, model_drawing.CUT)]
-    forces = [(model_drawing.contacts(file), row) for row, file in instants(train, folder)]
+    forces = [(model_drawing.contacts(file), row) for row, _, file in instants(train, folder)]
     if forces:
         chains, row = max(forces, key=lambda each: each[0].force.max(initial=0))
         largest = chains.force.max(initial=0)
@@ -148,49 +149,76 @@ def draw_model(train, folder):
     return figure
 
 
-def film(trains, folder, origin):
-    """Pictures of the first run, with the level of the rail of all designs below when their first
-    axles are where that of the first run is; thin: the lowest level up to then."""
-    first = trains[0]
-    # The upper panel has the shape of its contents, so that both have the same axis along x.
-    long, left = 11.2, 0.85  # inches
-    high = long * model_drawing.shape_of(first.run, model_drawing.CUT)
-    figure = plt.figure(figsize=(long + left + 0.2, high + 3.6))
-    size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)
-    panel = figure.add_axes(np.array([left, 3.2, long, high]) / size)
-    level = figure.add_axes(np.array([left, 0.6, long, 2.3]) / size, sharex=panel)
-    scene = model_drawing.Scene(panel, first.run, model_drawing.CUT)
-    panel.set(title=model_drawing.heading(first.run), xlabel="")
-    shades.shade(level, ground_blocks.stretches(first.run))
-    lowest = max(1e3 * train.rail_down().max() for train in trains)
-    level.set(xlabel="x along the track, m", ylim=(-1.1 * lowest, 0.3 * lowest))
-    level.set_ylabel(f"level of the rail, {panels.UP}", fontsize=9)
-    level.grid(alpha=0.3)
-    lines = [level.plot([], [], lw=2, label=train.name, **style)[0]
-             for train, style in zip(trains, STYLES)]
-    deepest = [level.plot([], [], lw=0.8, label=f"lowest up to then, {train.name}", **style)[0]
-               for train, style in zip(trains, STYLES)]
-    level.legend(fontsize=8, loc="upper center", ncols=4, frameon=False)  # above the curves
-    write.state_origin(figure, origin)
-    clock = panel.text(0.01, 0.96, "", transform=panel.transAxes, va="top", fontsize=10)
-    figure.canvas.draw()
-    still = figure.canvas.copy_from_bbox(figure.bbox)
-    shots = [(row, model_drawing.contacts(file)) for row, file in instants(first, folder)]
-    largest = max(chains.force.max(initial=0) for _, chains in shots)
-    begin = first.passing.time[0]
-    for row, chains in shots:
-        figure.canvas.restore_region(still)
-        moving = [scene.set_chains(chains, largest), *scene.set_train(first.passing.x[row])]
-        clock.set_text(f"{model_drawing.DIRECTION}     {first.passing.time[row] - begin:.2f} s "
-                       "after the train began")
-        for train, line, lower in zip(trains, lines, deepest):
-            at = int(np.nanargmin(np.abs(train.passing.x[:, 0] - first.passing.x[row, 0]))) \
-                if np.isfinite(first.passing.x[row, 0]) else \
-                min(row, len(train.passing.time) - 1)
-            up = 1e3 * (train.passing.rail - train.passing.rail[train.passing.first])
+class Film:
+    """Figure of a film: the first run above, the level of the rail of all designs below it.
+    `largest`: contact force in the film, N."""
+
+    def __init__(self, trains, largest, origin):
+        run = trains[0].run
+        # The upper panel has the shape of its contents, so that both have the same axis along x.
+        long, left, bottom = 11.2, 0.85, 3.5  # inches
+        high = long * model_drawing.shape_of(run, model_drawing.CUT)
+        self.figure = plt.figure(figsize=(long + left + 0.2, bottom + high + 0.4))
+        size = np.array([self.figure.get_figwidth(), self.figure.get_figheight()] * 2)
+        self.panel = self.figure.add_axes(np.array([left, bottom, long, high]) / size)
+        self.level = self.figure.add_axes(np.array([left, 0.6, long, 2.3]) / size,
+                                          sharex=self.panel)
+        self.trains, self.largest = trains, largest
+        self.scene = model_drawing.Scene(self.panel, run, model_drawing.CUT)
+        self.panel.set(title=model_drawing.heading(run), xlabel="")
+        self._prepare_levels()
+        # Between both panels: above the bed it would hide the train, in the ground names of layers.
+        self.figure.legend(*self.scene.key_of_chains(largest), loc="center", frameon=False,
+                           bbox_to_anchor=((left + long / 2) / size[0], 3.07 / size[1]), fontsize=9)
+        write.state_origin(self.figure, origin)
+        self.clock = self.panel.text(0.01, 0.96, "", transform=self.panel.transAxes, va="top",
+                                     fontsize=10)
+        self.figure.canvas.draw()
+        self.still = self.figure.canvas.copy_from_bbox(self.figure.bbox)
+
+    def _prepare_levels(self):
+        shades.shade(self.level, ground_blocks.stretches(self.trains[0].run))
+        lowest = max(1e3 * train.rail_down().max() for train in self.trains)
+        self.level.set(xlabel="x along the track, m", ylim=(-1.1 * lowest, 0.3 * lowest))
+        self.level.set_ylabel(f"level of the rail, {panels.UP}", fontsize=9)
+        self.level.grid(alpha=0.3)
+        self.lines = [self.level.plot([], [], lw=2, label=train.name, **style)[0]
+                      for train, style in zip(self.trains, STYLES)]
+        self.deepest = [self.level.plot([], [], lw=0.8, label=f"lowest up to then, {train.name}",
+                                        **style)[0] for train, style in zip(self.trains, STYLES)]
+        self.level.legend(fontsize=8, loc="upper center", ncols=4, frameon=False)  # above them
+
+    def _set_levels(self, row):
+        """Of all designs when their first axles are where that of the first run is at a row."""
+        x = self.trains[0].passing.x[row, 0]
+        for train, line, lower in zip(self.trains, self.lines, self.deepest):
+            passing = train.passing
+            at = int(np.nanargmin(np.abs(passing.x[:, 0] - x))) if np.isfinite(x) else \
+                min(row, len(passing.time) - 1)
+            up = 1e3 * (passing.rail - passing.rail[passing.first])
             line.set_data(train.run.sleepers_x, up[at])
             lower.set_data(train.run.sleepers_x, up[:at + 1].min(axis=0))
-        for artist in (*moving, clock, *deepest, *lines):
+
+    def picture(self, row, chains, words):
+        """Pixels of an instant; `words` follow the direction of travel."""
+        self.figure.canvas.restore_region(self.still)
+        moving = [self.scene.set_chains(chains, self.largest),
+                  *self.scene.set_train(self.trains[0].passing.x[row])]
+        self.clock.set_text(f"{model_drawing.DIRECTION}     {words}")
+        self._set_levels(row)
+        for artist in (*moving, self.clock, *self.deepest, *self.lines):
             artist.axes.draw_artist(artist)
-        yield np.array(figure.canvas.buffer_rgba())[..., :3]
-    plt.close(figure)
+        return np.array(self.figure.canvas.buffer_rgba())[..., :3]
+
+
+def film(trains, folder, origin):
+    """Pictures of the first run, with the level of the rail of all designs below when their first
+    axles are where that of the first run is; thin: the lowest level up to then. Each states the
+    time of its field file."""
+    shots = [(row, time, model_drawing.contacts(file))
+             for row, time, file in instants(trains[0], folder)]
+    pace = film_files.pace([time for _, time, _ in shots])
+    drawn = Film(trains, max(chains.force.max(initial=0) for *_, chains in shots), origin)
+    for row, time, chains in shots:
+        yield drawn.picture(row, chains, "     ".join(filter(None, (f"time {time:.3f} s", pace))))
+    plt.close(drawn.figure)

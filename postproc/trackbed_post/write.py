@@ -26,6 +26,13 @@ def reason_of(error: OSError) -> str:
     return error.strerror or str(error)
 
 
+def size(count: int) -> str:
+    """A number of bytes in words."""
+    if count < 1_000_000:
+        return f"{count / 1e3:.{0 if count >= 10_000 else 1}f} kB"
+    return f"{count / 1e6:.1f} MB"
+
+
 def folder(path: pathlib.Path | str) -> None:
     """Creates the folder if it is missing."""
     try:

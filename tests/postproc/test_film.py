@@ -1,0 +1,98 @@
+"""Films state the time of their files, how much slower they are, and what the width of a line is."""
+import json
+import types
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from test_fields import LINE, call, field_run, write_grid  # noqa: F401
+
+from trackbed_post import film_files, transition, transition_figures, write
+
+X = 0.6 * np.arange(1, 31)
+TIMES = 2.5 + 0.03 * np.arange(20)  # s, of the files; those of the histories begin before
+LARGEST = 33e3                      # N, contact force of the last file
+SPEED = 40.0                        # m/s
+
+
+def written(folder):
+    """Field files of contacts, of which the last ones have the largest force."""
+    (folder / "fields").mkdir()
+    files = []
+    for k, time in enumerate(TIMES):
+        name = f"train_{k:06d}_contacts.hdf"
+        write_grid(folder / "fields" / name, [[9, 0, 0.1], [9, 0, 0.2]], [[0, 1]], LINE,
+                   cell_data={"force_size": ([LARGEST * (k + 1) / len(TIMES)], "N")})
+        files.append({"name": name, "time": time})
+    (folder / "fields/contacts.hdf.series").write_text(json.dumps({"files": files}))
+    return folder
+
+
+def train_at(speed=SPEED):
+    """Two axles that enter the bed at 2.5 s."""
+    time = 2 + 0.01 * np.arange(111)
+    front = speed * (time - 2.5)
+    rail = np.zeros((len(time), len(X)))
+    rail[60:] = -1e-3
+    deck = {"bed": {"x": [0, 18.6]}, "thickness": 1.3, "train": {"speed": speed},
+            "sleepers": {"spacing": 0.6, "width": 0.25, "height": 0.2}}
+    run = types.SimpleNamespace(name="made", deck=deck, sleepers_x=X, stones={})
+    passing = types.SimpleNamespace(time=time, x=np.stack([front, front - 2.5], axis=1), rail=rail,
+                                    first=0)
+    return transition.Train(run, passing, "made")
+
+
+def test_clock_of_a_film_is_that_of_its_files(tmp_path):
+    pictures = transition_figures.film([train_at()], written(tmp_path), "made")
+    stated = []
+    for picture in pictures:
+        panel = plt.gcf().axes[0]
+        stated.append(next(text.get_text() for text in panel.texts if "time" in text.get_text()))
+        assert picture.ndim == 3
+    seen = [time for time in TIMES if SPEED * (time - 2.5) - 2.5 < X[-1] + 3]
+    assert len(stated) == len(seen) and len(seen) > 10
+    for words, time in zip(stated, seen):
+        assert f"time {time:.3f} s" in words and "4 times slower than real" in words, words
+        assert "after the train began" not in words
+
+
+def test_width_of_a_contact_force_is_explained(tmp_path):
+    pictures = transition_figures.film([train_at()], written(tmp_path), "made")
+    next(pictures)
+    figure = plt.gcf()
+    key, = figure.legends
+    lines = key.get_lines()
+    scale = transition_figures.model_drawing.CHAIN_WIDTH / LARGEST
+    assert "this line: 33 kN in a model 1.3 m thick" in key.get_texts()[0].get_text()
+    drawn, = [one for one in figure.axes[0].collections if one.get_zorder() == 2.5]
+    assert drawn.get_linewidths()[0] == pytest.approx(scale * LARGEST / len(TIMES))
+    assert lines[0].get_linewidth() == pytest.approx(scale * LARGEST)
+    figure.canvas.draw()
+    place = key.get_window_extent()
+    for panel in figure.axes:  # between both panels, and not over the labels of their axes
+        assert not place.overlaps(panel.get_tightbbox()), "the key hides a panel"
+    pictures.close()
+
+
+@pytest.mark.parametrize("times, words", [
+    ([1.0], ""),
+    (3 + 0.03 * np.arange(9), "4 times slower than real"),
+    (3 + 0.12 * np.arange(9), "real speed"),
+    (3 + 0.6 * np.arange(9), "5 times faster than real"),
+    ([*(0.002 * np.arange(30)), 0.059], "60 times slower than real"),  # the end of a stage
+    ([0.1, 0.2, 0.5], "a picture every 120 ms, at uneven times")])
+def test_pace_of_a_film(times, words):
+    assert film_files.pace(times) == words
+
+
+@pytest.mark.parametrize("count, words", [
+    (740, "0.7 kB"), (9_940, "9.9 kB"), (38_200, "38 kB"), (999_000, "999 kB"),
+    (1_000_000, "1.0 MB"), (2_640_000, "2.6 MB")])
+def test_sizes_of_small_files_are_in_kilobytes(count, words):
+    assert write.size(count) == words
+
+
+def test_size_of_a_small_film_is_not_nothing(run, tmp_path):  # noqa: F811
+    done = call("film", run, "-o", tmp_path / "film.gif", "--parts", "stones,ground")
+    size = (tmp_path / "film.gif").stat().st_size
+    assert f"film.gif: {write.size(size)}" in done.stdout and "kB" in done.stdout, done
