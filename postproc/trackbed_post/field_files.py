@@ -72,7 +72,8 @@ def arrays_of(path: pathlib.Path | str) -> Arrays:
     own = {name.removeprefix("VTKHDF/"): item for name, item in read.datasets(path).items()}
     if "Connectivity" not in own:
         raise read.Unreadable(f"{path} is not a field file of trackbed")
-    arrays = {name.partition("/")[2]: item for name, item in own.items() if "Data/" in name}
+    arrays = {name.partition("/")[2]: item for name, item in own.items()
+              if name.startswith(("PointData/", "CellData/"))}
     return {"": own, **arrays}
 
 
@@ -138,7 +139,9 @@ def files_of(path: pathlib.Path | str, parts: collections.abc.Sequence[str]) -> 
     if path.suffix == ".hdf":
         part = path.stem.rpartition("_")[2]
         instants = {file.name: time for time, file in read.series(path.parent.parent, part)}
-        return {part: [(instants.get(path.name, np.nan), path)]}
+        time = instants.get(path.name)
+        own = read.time_in(path) if time is None and path.is_file() else time
+        return {part: [(np.nan if own is None else own, path)]}
     folder = read.folder_of(path)
     if not folder.is_dir():
         raise read.Unreadable(f"{folder} does not exist; give a result folder or a .hdf file")

@@ -35,6 +35,18 @@ def part_of(path):
     return (found["instant"], found["part"]) if found else ("", pathlib.Path(path).stem)
 
 
+def label_of(path):
+    """The label of a field file given alone: stage and time. The time is that which the series
+    beside it or the file states; without both the label is empty."""
+    instant, part = part_of(path)
+    folder = pathlib.Path(path).resolve().parent.parent
+    times = {file.name: time for time, file in read.series(folder, part)}
+    time = times.get(pathlib.Path(path).name)
+    if time is None:
+        time = read.time_in(path)
+    return "" if time is None else Instant(time, instant or part, {}).label()
+
+
 def of_files(paths):
     """Part -> file of files given one by one, which must be those of one instant."""
     named = [(part_of(path), path) for path in paths]

@@ -381,6 +381,13 @@ def fields(folder: pathlib.Path | str, stage: str, part: str) -> dict[int, pathl
     return dict(sorted(numbered.items()))
 
 
+def time_in(path: pathlib.Path | str) -> float | None:
+    """s: the time that a field file states itself, if it does."""
+    with _opened(pathlib.Path(path)) as file:
+        found = file.get("VTKHDF/FieldData/TimeValue")
+        return None if found is None else float(np.ravel(found[()])[0])
+
+
 def series(folder: pathlib.Path | str, part: str) -> list[tuple[float, pathlib.Path]]:
     """(time, s, file) of each field file of a part over the whole run, in order of time."""
     path = pathlib.Path(folder) / "fields" / f"{part}.hdf.series"

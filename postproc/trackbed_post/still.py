@@ -16,7 +16,8 @@ VIEWS, VIEW = tuple(scene.VIEWS), scene.VIEW
 
 
 def chosen_files(sources, parts, time):
-    """(part -> file, label) of files, or of the instant of a run that is nearest to a time."""
+    """(part -> file, label) of files, or of the instant of a run that is nearest to a time; of
+    files the label is empty."""
     folders = [path for path in sources if os.path.isdir(path)]
     if folders and len(sources) > 1:
         raise read.Unreadable(f"{folders[0]} is a folder: give one folder or several field files")
@@ -61,6 +62,7 @@ def render(sources, picture, choices):
     window = scene.Scene(survey, colouring, choices.view or scene.VIEW, choices.x)
     window.show(drawn)
     colours = window.colours()
+    label = label or instants.label_of(sources[0])
     write.whole(picture, png(window.picture(label)))
     what = f"{label}, {' '.join(drawn)}: " if label else ""
     print(f"{picture}: {what}{sum(grid.GetNumberOfCells() for grid in drawn.values())} cells; the "

@@ -1,13 +1,15 @@
-"""Films state the time of their files, how much slower they are, and what the width of a line is."""
+"""Films state the time of their files, their pace, and what the width of a contact force is."""
 import json
+import pathlib
 import types
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from test_fields import LINE, call, field_run, write_grid  # noqa: F401
+from test_fields import LINE, call, field_run, write_grid, write_surfaces  # noqa: F401
 
-from trackbed_post import film_files, transition, transition_figures, write
+from trackbed_post import field_files, film_files, instants, read, transition, transition_figures
+from trackbed_post import write
 
 X = 0.6 * np.arange(1, 31)
 TIMES = 2.5 + 0.03 * np.arange(20)  # s, of the files; those of the histories begin before
@@ -96,3 +98,22 @@ def test_size_of_a_small_film_is_not_nothing(run, tmp_path):  # noqa: F811
     done = call("film", run, "-o", tmp_path / "film.gif", "--parts", "stones,ground")
     size = (tmp_path / "film.gif").stat().st_size
     assert f"film.gif: {write.size(size)}" in done.stdout and "kB" in done.stdout, done
+
+
+def test_picture_of_one_file_states_its_time(run, tmp_path):  # noqa: F811
+    done = call("still", run / "fields/load_000002_stones.hdf", "-o", tmp_path / "alone.png")
+    assert "alone.png: load, 0.2 s, stones: 3 cells" in done.stdout, done
+    moved = tmp_path / "load_000002_surfaces.hdf"
+    write_surfaces(moved)
+    assert instants.label_of(moved) == "", "no list of its series is beside it"
+
+
+def test_time_that_a_file_states_itself(tmp_path):
+    path = tmp_path / "load_000002_surfaces.hdf"
+    write_surfaces(path)
+    with field_files.read.h5py.File(path, "r+") as file:
+        file["VTKHDF/FieldData/TimeValue"] = np.array([1.25])
+    assert instants.label_of(path) == "load, 1.25 s" and read.time_in(path) == 1.25
+    assert field_files.files_of(path, ("surfaces",)) == {"surfaces": [(1.25, path)]}
+    assert set(field_files.arrays_of(path)) == {"", "part"}, "the time is no array of cells"
+    assert np.isnan(field_files.files_of(pathlib.Path("gone.hdf"), ("gone",))["gone"][0][0])
