@@ -198,9 +198,10 @@ def displaced(grid):
     return warp.GetOutput()
 
 
-def pieces_of(part, grid, ends):
-    """(name in PLAIN, grid) of the things that a part consists of, in a picture with others, and
-    wheels only between the ends, along the track, of these."""
+def pieces_of(part, grid, ends, parts=()):
+    """(name in PLAIN, grid) of the things that a part consists of, in a picture with other parts,
+    and wheels only between the ends, along the track, of these. Solid sleepers are drawn as solids:
+    the same faces twice would be striped."""
     from vtk.util.numpy_support import vtk_to_numpy
     import numpy as np
     if part in AT_REST:
@@ -219,4 +220,5 @@ def pieces_of(part, grid, ends):
                    "bodies": (kind != WALL) & (kind != SLEEPER)}
     changed = {"walls": edges, "rail": with_width, "wheels": with_width}
     return [(name, changed.get(name, lambda same: same)(some_cells(grid, np.flatnonzero(mask))))
-            for name, mask in grouped.items() if mask.any()]
+            for name, mask in grouped.items()
+            if mask.any() and not (name == "sleepers" and "solids" in parts)]

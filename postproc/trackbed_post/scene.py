@@ -113,7 +113,8 @@ class Scene:
         for part, grid in grids.items():
             mine = self.colouring if part == self.colouring.part and self.colouring.array(grid) \
                 else None
-            pieces = actors.pieces_of(part, grid, self.ends) if self.together else [(part, grid)]
+            pieces = actors.pieces_of(part, grid, self.ends, grids) if self.together else \
+                [(part, grid)]
             for name, piece in pieces:
                 piece, cuts = actors.section(piece, self.cuts)
                 self.actors += actors.actors_of(name, piece, mine, cuts)

@@ -154,6 +154,21 @@ def test_files_are_drawn_together_and_the_first_is_coloured(run, tmp_path):
     assert count(picture, "ground") == 0 and count(picture, "sleepers") > 1000
 
 
+def test_faces_of_solid_sleepers_are_drawn_once(tmp_path):
+    files = [tmp_path / f"load_000003_{part}.hdf" for part in ("ground", "solids", "surfaces")]
+    write_ground(files[0])
+    write_surfaces(files[2])
+    write_grid(files[1], brick(*SLEEPER), [np.arange(8)], HEXAHEDRON,
+               {"displacement": (np.zeros((8, 3)), "m")})
+    for given, drawn in ((files, "solids"), (files[::2], "sleepers")):
+        done = call("still", *given, "-o", tmp_path / "sleeper.png")
+        assert done.returncode == 0, done.stderr
+        picture, scale = pixels(tmp_path / "sleeper.png"), per_metre((0, 0, -1), (3, 0, 0.8))
+        other, = {"solids", "sleepers"} - {drawn}
+        assert count(picture, drawn) == pytest.approx(0.2 * scale**2, rel=0.06)
+        assert count(picture, other) == 0, "the sleeper is striped"
+
+
 def test_parts_and_time_choose(run, tmp_path):
     done = call("still", run, "--time", 0.21, "--parts", "ground,stones,train", "-o",
                 tmp_path / "chosen.png")
