@@ -3,6 +3,8 @@ import dataclasses
 
 from trackbed_post import read
 
+USUAL = {"stones": "velocity", "contacts": "force"}  # part -> array, unless another is given
+
 
 def read_grid(path):
     import vtk
@@ -75,8 +77,8 @@ class Survey:
                 self.ranges[key] = (min(low, known[0]), max(high, known[1]))
 
     def colouring(self, name=None, limits=None):
-        """By the array of this name; else of stones by their speed if it varies; else by the first
-        array that varies, or any."""
+        """By the array of this name; else by that of USUAL if it varies; else by the first array
+        that varies, or any."""
         chosen = list(self.ranges)
         names = ", ".join(sorted({one for one, _ in chosen}))
         if not chosen:
@@ -86,8 +88,8 @@ class Survey:
         if not chosen:
             raise read.Unreadable(f"the file has no array {name}; its arrays: {names}")
         varying = [key for key in chosen if self.ranges[key][0] < self.ranges[key][1]]
-        speed = [key for key in varying if self.part == "stones" and key[0] == "velocity"]
-        key = (speed or varying or chosen)[0]
+        usual = [key for key in varying if key[0] == USUAL.get(self.part)]
+        key = (usual or varying or chosen)[0]
         return Colouring(self.part, *key, tuple(limits or self.ranges[key]),
                          unit_of(self.file, *key))
 

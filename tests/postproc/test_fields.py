@@ -169,6 +169,16 @@ def test_faces_of_solid_sleepers_are_drawn_once(tmp_path):
         assert count(picture, other) == 0, "the sleeper is striped"
 
 
+def test_contacts_are_coloured_by_their_force(tmp_path):
+    path = tmp_path / "load_000003_contacts.hdf"
+    write_grid(path, [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]], [[0, 1], [2, 3]], LINE,
+               {"number": ([0, 1, 2, 3], "1")}, {"alpha": ([1, 2], "m"), "force": ([5, 8], "N")})
+    survey = grids.Survey("contacts")
+    survey.add({"contacts": path})
+    assert survey.colouring().words() == "force from 5 to 8 N"
+    assert survey.colouring("alpha").words() == "alpha from 1 to 2 m"
+
+
 def test_parts_and_time_choose(run, tmp_path):
     done = call("still", run, "--time", 0.21, "--parts", "ground,stones,train", "-o",
                 tmp_path / "chosen.png")
