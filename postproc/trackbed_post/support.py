@@ -15,8 +15,8 @@ class Support:
     """What stones and ground below each sleeper do in the passage."""
     lowered: np.ndarray    # [time, sleeper], m, downwards relative to the ground
     reaction: np.ndarray   # [time, sleeper], N
-    bed: np.ndarray        # N/m, secant of the reaction over `lowered`, without the gap
-    whole: np.ndarray      # N/m, increase of the reaction over the displacement: all of it
+    bed: np.ndarray        # N/m, increase of the reaction over `lowered`, without the gap
+    whole: np.ndarray      # N/m, the same increase over the displacement: all of it
     # m, where the secant of the bed has the first reaction, at least 0; of a sleeper that was not
     # loaded more than at first its largest displacement, which its gap exceeds. Not known of one
     # that is not lower at its largest reaction than where the secant begins.
@@ -41,10 +41,12 @@ class Support:
 
 
 def of(results: read.Results) -> Support:
-    """The secant of the bed begins where the reaction first exceeds SECANT of its increase since
-    the first row, that before the train comes to the bed: neither the ground, which the axles
-    on both sides of a sleeper keep low, nor stones that settle under the first axles enter twice.
-    Numbers of the bed alone are not known (NOWHERE) if the ground's histories were left out."""
+    """Both stiffnesses belong to the same increase of the reaction, from the first row, that before
+    the train comes to the bed, to its largest value, as those of springs in series: they differ by
+    ground and gap. The gap is where the secant from the place at which the reaction first exceeds
+    SECANT of its increase has the first reaction: neither the ground, which the axles on both sides
+    of a sleeper keep low, nor stones that settle under the first axles enter twice. Numbers of the
+    bed alone are not known (NOWHERE) if the ground's histories were left out."""
     rows, first = results.passage(), measures.row_before_train(results)
     height = results.sleeper["displacement"].values[rows][first:]
     reaction = results.sleeper["reaction"].values[rows][first:]
@@ -66,8 +68,9 @@ def of(results: read.Results) -> Support:
         level = reaction[0, k] + SECANT * increase
         begin = _where_reached(reaction[:, k], level, lowered[:, k])
         if (pressed := lowered[most, k] - begin) > 0:
-            found.bed[k] = (1 - SECANT) * increase / pressed
-            found.gap[k] = max(begin - SECANT * increase / found.bed[k], 0.0)
+            found.gap[k] = max(begin - SECANT / (1 - SECANT) * pressed, 0.0)
+            if lowered[most, k] > found.gap[k]:
+                found.bed[k] = increase / (lowered[most, k] - found.gap[k])
         else:
             found.gap[k] = measures.NOWHERE
     return found

@@ -41,7 +41,7 @@ def draw(runs):
     loops.set_title(f"Loops in the {runs[0].passage_name()}", fontsize=10)
     stiff.set_ylabel("stiffness of the support (kN/mm)")
     stiff.set_ylim(bottom=0)
-    stiff.set_title("Secants to the largest reaction;\nwith ground: gap included", fontsize=10)
+    stiff.set_title("Secants from the row before the train to the largest\nreaction; bed alone: without gap and ground", fontsize=10)
     gaps.set_ylabel("gap below the sleeper (mm)")
     gaps.set_title("\n".join(text), fontsize=10)
     for panel in (stiff, gaps):

@@ -173,6 +173,20 @@ def test_a_dip_of_the_reaction_between_two_axles_does_not_matter(runs):
     assert found.bed == pytest.approx(100e6, rel=1e-3) and found.hanging == 0
 
 
+def test_bed_and_ground_are_springs_in_series(runs):
+    """Stones that become softer under load, on a ground: both stiffnesses are of one increase of
+    the reaction, so that their compliances differ by that of the ground."""
+    run = runs[0]
+    press = half_wave(run) / 2e-3
+    way = 0.4e-3 * press**2 + 0.1e-3 * press    # of the stones; softer from load to load
+    sunk = 0.02e-3 * press[:, :1]
+    run = dataclasses.replace(with_support(run, way + sunk, 2e3 + 30e3 * press), ground={
+        "displacement": read.Quantity(np.repeat(-sunk, len(run.ground_x), axis=1), "m", "-")})
+    found = support.of(run)
+    assert found.bed == pytest.approx(30e3 / 0.5e-3) and (found.whole < found.bed).all()
+    assert 1 / found.whole == pytest.approx(1 / found.bed + 0.02e-3 / 30e3)
+
+
 def test_support_is_relative_to_the_ground(runs):
     """A sleeper that sinks with the ground before its own load comes does not hang."""
     run = runs[0]
