@@ -51,7 +51,7 @@ def sleepers(runs):
         time = run.time[rows] - run.time[rows][0]
         sunk = run.sleeper["displacement"].values[rows]
         sunk = (sunk - sunk[0]) * 1e3
-        deepest.append(np.min(sunk))
+        deepest.append(np.min(sunk[:, ~ground_blocks.ends(run)]))
         acceleration = FILTER(time, run.sleeper["acceleration"].values[rows]) / GRAVITY
         shown = (sunk, -run.sleeper["seat_force"].values[rows] / 1e3,
                  run.sleeper["reaction"].values[rows] / 1e3, acceleration)
@@ -69,6 +69,7 @@ def sleepers(runs):
     stage = "passage" if all(run.has_passage() for run in runs) else "last stage"
     panels[-1].set_xlabel(f"time since the {stage} began (s)")
     legend_below(panels[-1], len(runs))
+    panels[-1].get_legend().set_title(measures.without_ends(runs[0]) or None, {"size": 8})
     figure.axes[0].set_title(f"Sleepers during the {stage}; lowest of all: " + ", ".join(
         f"{run.name} {low:.3f} mm" for run, low in zip(runs, deepest)))
     return figure
@@ -131,11 +132,11 @@ SPECTRA = {"acceleration": ("m/s2", 1), "displacement": ("mm", 1e3), "seat_force
 
 
 def spectrum_of(run, name):
-    """Frequency, Hz, and amplitude of a quantity in the passage, root mean square over all
-    sleepers."""
+    """Frequency, Hz, and amplitude of a quantity in the passage, root mean square over the sleepers
+    that are not at the ends of the bed."""
     rows = run.passage()
     needs(signals.step_of(run.time[rows]) is not None, "histories are not evenly sampled")
-    values = run.sleeper[name].values[rows] * SPECTRA[name][1]
+    values = run.sleeper[name].values[rows][:, ~ground_blocks.ends(run)] * SPECTRA[name][1]
     if name == "acceleration":
         values = FILTER(run.time[rows], values)
     frequency, amplitude = signals.spectrum(run.time[rows], values)
@@ -158,7 +159,8 @@ def table_of_peaks(runs):
 
 
 def spectra(runs):
-    """Amplitude spectra of the sleepers in the passage, root mean square over all sleepers."""
+    """Amplitude spectra of the sleepers in the passage, root mean square over those that are not
+    at the ends of the bed."""
     needs(all(run.sleeper for run in runs), "no sleepers")
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(9, 9))
     marks = frequencies.of_passage(runs[0])
@@ -177,10 +179,12 @@ def spectra(runs):
         panel.grid(alpha=0.3)
     sampled = runs[0].time[runs[0].passage()]
     panels[0].set_ylabel(f"acceleration (m/s2)\n{FILTER.name_for(sampled)}", fontsize=9)
+    left_out = measures.without_ends(runs[0])
     words = ", ".join(f"{mark} = {target:.1f} Hz" for mark, target in marks.items())
     panels[-1].set_xlabel("frequency (Hz)")
     legend_below(panels[-1])
-    panels[0].set_title(f"Spectra of sleepers, root mean square over all\n{words}", fontsize=10)
+    panels[0].set_title(f"Spectra of sleepers, root mean square {left_out or 'over all'}\n{words}",
+                        fontsize=10)
     return figure
 
 

@@ -12,6 +12,7 @@ from trackbed_post import read
 STRUCTURE = 10e9  # Pa, least Young's modulus of a structure, as in the drawing of `trackbed check`
 TINY = 1e-9       # m, tolerance of coordinates
 ENDS = 3          # sleepers at each end of the bed that are not judged if springs are beside them
+WALLS = 1         # the same if there are none: the bed ends at walls
 BEYOND = 2        # spacings behind the wedge, where plain track begins
 
 
@@ -141,6 +142,20 @@ def carried_by_springs(results: read.Results) -> bool:
     """Whether the rail goes on over sleepers on springs beside the bed: a train ran over it."""
     passages = [stage for stage in results.deck.get("stage", []) if stage.get("kind") == "passage"]
     return bool(passages and passages[-1].get("train", False))
+
+
+def at_ends(count: int, springs: bool) -> np.ndarray:
+    """Which of so many sleepers are at the ends of the bed, where their support is that of the
+    model's end: ENDS at each end if `springs` are beside them, otherwise WALLS. Of beds that are
+    too short for this WALLS, and of one sleeper or two none, since nothing else would remain."""
+    each = next((few for few in (ENDS if springs else WALLS, WALLS) if count > 2 * few), 0)
+    number = np.arange(count)
+    return (number < each) | (number >= count - each)
+
+
+def ends(results: read.Results) -> np.ndarray:
+    """Which sleepers of a run are at the ends of its bed."""
+    return at_ends(len(results.sleepers_x), carried_by_springs(results))
 
 
 def plain_track(results: read.Results, edge: float, wedge: float,

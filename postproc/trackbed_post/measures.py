@@ -189,11 +189,21 @@ def principal_direction(stress: ArrayLike) -> np.ndarray:
 
 
 def chosen_sleepers(run: read.Results) -> list[int]:
-    """Three sleepers to show: first, nearest to the structure's edge (or the middle one), last."""
+    """Three sleepers to show: first, nearest to the structure's edge (or the middle one), last of
+    those that are not at the ends of the bed; the middle one also if one of these is nearest."""
     edge = ground_blocks.edge_of_structure(run)
-    x = run.sleepers_x
-    middle = len(x) // 2 if edge is None else int(np.argmin(np.abs(x - edge)))
-    return sorted({0, middle, len(x) - 1})
+    inner = np.flatnonzero(~ground_blocks.ends(run))
+    x, middle = run.sleepers_x[inner], len(inner) // 2
+    near = middle if edge is None else int(np.argmin(np.abs(x - edge)))
+    shown = {0, near, len(inner) - 1}
+    return [int(inner[k]) for k in sorted(shown if len(shown) == 3 else shown | {middle})]
+
+
+def without_ends(run: read.Results) -> str:
+    """How many sleepers are left out, for legends; empty if none are."""
+    count = int(np.count_nonzero(ground_blocks.ends(run)))
+    words = "sleepers" if count > 2 else "sleeper"
+    return f"without {count // 2} {words} at each end of the bed" if count else ""
 
 
 def passing(sieved: np.ndarray, openings: ArrayLike) -> np.ndarray:

@@ -2,6 +2,7 @@
 names of axles, legends that hide no curve."""
 import collections.abc
 
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.transforms import IdentityTransform, ScaledTranslation
@@ -16,6 +17,14 @@ def axle(wheel: int, two_rails: bool) -> str:
     """Name of the axle of a wheel, which is counted from 0; axles are counted from 1."""
     return f"axle {wheel // 2 + 1}, {('left', 'right')[wheel % 2]}" if two_rails \
         else f"axle {wheel + 1}"
+
+
+def mark_ends(panel: Axes, x: np.ndarray, values: np.ndarray, ends: np.ndarray,
+              colour: str, name: bool = True) -> None:
+    """Hollow marks over the values of sleepers at the ends of a bed; `name`: in the legend."""
+    if ends.any():
+        panel.plot(x[ends], values[ends], "o", color=colour, ms=3, mfc="white", mew=0.8, zorder=3,
+                   label="end of the bed (hollow)" if name else "_")
 
 
 def legend_above(panel: Axes, columns: int = 4, size: float = 8) -> None:

@@ -123,7 +123,8 @@ def stages(runs: collections.abc.Sequence[read.Results]) -> plt.Figure:
         for run, style in zip(runs, LINES):
             draw_stage(column, run, stage, rows, style)
     label(panels, rows, shown)
-    panels[-1, 0].legend(*panels[-1, -1].get_legend_handles_labels(), fontsize=7)
+    panels[-1, 0].legend(*panels[-1, -1].get_legend_handles_labels(), fontsize=7,
+                         title=measures.without_ends(runs[0]) or None, title_fontsize=7)
     figure.suptitle("From stage to stage: " + ", ".join(run.name for run in runs), fontsize=10)
     return figure
 

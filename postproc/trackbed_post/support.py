@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from trackbed_post import measures, read
+from trackbed_post import ground_blocks, measures, read
 
 SECANT = 0.2  # of the increase of the reaction, where the secant of the bed begins
 HANGS = 1e-4  # m, a larger gap means that a sleeper hangs
@@ -21,6 +21,7 @@ class Support:
     # loaded more than at first its largest displacement, which its gap exceeds. Not known of one
     # that is not lower at its largest reaction than where the secant begins.
     gap: np.ndarray
+    ends: np.ndarray       # whether each sleeper is at an end of the bed
 
     @property
     def hangs(self) -> np.ndarray:
@@ -36,7 +37,9 @@ class Support:
         unknown = int(np.count_nonzero(np.isnan(self.gap)))
         if np.isnan(self.lowered).all():
             return "gaps are not known without the histories of the ground"
+        outer = int(np.count_nonzero(self.hangs & self.ends))
         return (f"{self.hanging} of {len(self.gap)} have a gap above {1e3 * HANGS:g} mm"
+                + (f", {outer} of them at the ends of the bed" if outer else "")
                 + (f", of {unknown} it is not known" if unknown else ""))
 
 
@@ -57,7 +60,8 @@ def of(results: read.Results) -> Support:
         lowered = np.full_like(whole, measures.NOWHERE)
     count = lowered.shape[1]
     found = Support(lowered, reaction, np.full(count, measures.NOWHERE),
-                    np.full(count, measures.NOWHERE), np.max(lowered, axis=0, initial=0.0))
+                    np.full(count, measures.NOWHERE), np.max(lowered, axis=0, initial=0.0),
+                    ground_blocks.ends(results))
     for k in range(count):
         most = int(np.argmax(reaction[:, k]))
         increase = reaction[most, k] - reaction[0, k]
@@ -88,12 +92,13 @@ def summary(run: read.Results) -> str:
 
 
 def table(runs: collections.abc.Iterable[read.Results]) -> str:
-    """CSV, a row for each sleeper of each run; hangs: 1 or 0, empty if the gap is not known."""
-    lines = ["run,x_m,bed_N_m,bed_and_ground_N_m,gap_m,hangs"]
+    """CSV, a row for each sleeper of each run; hangs: 1 or 0, empty if the gap is not known; end: 1
+    at the ends of the bed, where the support is that of the model's end."""
+    lines = ["run,x_m,bed_N_m,bed_and_ground_N_m,gap_m,hangs,end"]
     for run in runs:
         found = of(run)
         lines += [f"{run.name},{x:.9g},{bed:.6g},{whole:.6g},{gap:.6g},"
-                  f"{'' if np.isnan(gap) else int(hangs)}"
-                  for x, bed, whole, gap, hangs in zip(run.sleepers_x, found.bed, found.whole,
-                                                       found.gap, found.hangs)]
+                  f"{'' if np.isnan(gap) else int(hangs)},{int(end)}"
+                  for x, bed, whole, gap, hangs, end in zip(
+                      run.sleepers_x, found.bed, found.whole, found.gap, found.hangs, found.ends)]
     return "\n".join(lines) + "\n"

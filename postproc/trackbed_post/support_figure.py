@@ -34,14 +34,22 @@ def draw(runs):
                                              (found.whole, "with ground"))):
             stiff.plot(run.sleepers_x, of / 1e6, style, marker="o", ms=3, lw=1, color=f"C{number}",
                        label=f"{run.name}, {what}")
-        gaps.plot(run.sleepers_x, found.gap * 1e3, style, marker="o", ms=3, lw=1, label=run.name)
+        line, = gaps.plot(run.sleepers_x, found.gap * 1e3, style, marker="o", ms=3, lw=1,
+                          label=run.name)
+        last = run is runs[-1]
+        for panel, values, colour in ((stiff, found.bed / 1e6, "C0"),
+                                      (stiff, found.whole / 1e6, "C1"),
+                                      (gaps, found.gap * 1e3, line.get_color())):
+            panels.mark_ends(panel, run.sleepers_x, values, found.ends, colour,
+                             last and colour != "C0")
         text.append(f"{run.name}: {found.words()}")
     loops.set_xlabel("sleeper lowered relative to the ground (mm)")
     loops.set_ylabel("reaction of the stones (kN)")
     loops.set_title(f"Loops in the {runs[0].passage_name()}", fontsize=10)
     stiff.set_ylabel("stiffness of the support (kN/mm)")
     stiff.set_ylim(bottom=0)
-    stiff.set_title("Secants from the row before the train to the largest\nreaction; bed alone: without gap and ground", fontsize=10)
+    stiff.set_title("Secants from the row before the train to the largest\nreaction; bed alone: "
+                    "without gap and ground", fontsize=10)
     gaps.set_ylabel("gap below the sleeper (mm)")
     gaps.set_title("\n".join(text), fontsize=10)
     for panel in (stiff, gaps):

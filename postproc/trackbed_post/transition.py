@@ -46,6 +46,10 @@ class Train:
                                       self.passing.time[[self.passing.first, -1]])
         return -self.passing.left - (lowered[last] - lowered[first])
 
+    def settlement_judged(self):
+        """Of the sleepers that are not at the ends of the bed."""
+        return self.settlement()[~ground_blocks.at_ends(len(self.run.sleepers_x), True)]
+
     def largest_force(self):
         """x, m, and the largest force of any wheel there, N, along the bed."""
         low, high = self.run.sleepers_x[[0, -1]]
@@ -131,8 +135,7 @@ def zone_of(run, wedge):
     distance = ground_blocks.direction(run, edge) * (x - edge)
     low, high = ground_blocks.structure(run)
     begin, end = ground_blocks.plain_track(run, edge, wedge, spacing)
-    judged = np.arange(len(x))
-    judged = (judged >= ENDS) & (judged < len(x) - ENDS)
+    judged = ~ground_blocks.at_ends(len(x), True)
     tiny = measures.TINY
     found = Zone(distance,
                  judged & (x >= low - tiny) & (x <= high + tiny) & (distance <= -spacing + tiny),
@@ -343,9 +346,9 @@ def numbers(folder):
 
 OF_TRAINS = (("mean wheel force over the bed, kN", lambda train: 1e-3 * train.mean_force()),
              ("settlement of sleepers into the bed, mean, mm",
-              lambda train: 1e3 * train.settlement().mean()),
+              lambda train: 1e3 * train.settlement_judged().mean()),
              ("settlement of sleepers into the bed, largest, mm",
-              lambda train: 1e3 * train.settlement().max()))
+              lambda train: 1e3 * train.settlement_judged().max()))
 
 
 def table(trains, changes):

@@ -7,7 +7,7 @@ import made
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import (axles, bed_histories, bed_on_ground, read, stage_histories,
+from trackbed_post import (axles, bed_histories, bed_on_ground, measures, read, stage_histories,
                            track_figures, train_strip)
 
 TIME = np.arange(0, 1, 1e-3)
@@ -81,7 +81,8 @@ def test_the_train_is_above_the_histories_of_sleepers(tmp_path):
     figure = bed_on_ground.sleepers([run])
     strip, first = figure.axes[:2]
     assert len(figure.axes) == 5 and strip.get_ylabel() == "train as\nit passes"
-    at = run.sleepers_x[0]  # 0.1 s after the passage began the first axle is at x = 0
+    at = run.sleepers_x[measures.chosen_sleepers(run)[0]]
+    # 0.1 s after the passage began the first axle is at x = 0.
     marks = [line.get_xdata()[0] for line in first.lines if line.get_linestyle() == ":"]
     assert marks[:2] == pytest.approx([0.1 + at / 20, 0.2 + at / 20], abs=2e-3)
     assert len(marks) == 6  # two axles past each of three sleepers
@@ -117,11 +118,11 @@ def test_stages_are_beside_each_other(runs, tmp_path):
     assert [panel.get_title() for panel in panels[0]] == ["stage load", "stage passage"]
     run = runs[0]
     rows = run.stage == 4
-    line = panels[0, 1].lines[0]
+    line, shown = panels[0, 1].lines[0], measures.chosen_sleepers(run)[0]
     assert line.get_xdata()[0] == 0 and line.get_xdata()[-1] == pytest.approx(1.999)
-    assert np.allclose(line.get_ydata(), 1e3 * run.sleeper["displacement"].values[rows, 0])
+    assert np.allclose(line.get_ydata(), 1e3 * run.sleeper["displacement"].values[rows, shown])
     assert np.allclose(panels[1, 1].lines[0].get_ydata(),
-                       -run.sleeper["seat_force"].values[rows, 0] / 1e3)
+                       -run.sleeper["seat_force"].values[rows, shown] / 1e3)
     assert len(panels[0, 0].lines) == 6  # three sleepers of two runs
     plt.close(figure)
     ran = conftest.call("figures", made.write(tmp_path / "one"), "-o", tmp_path / "out")

@@ -1,0 +1,65 @@
+"""Tests of one rule for the sleepers at the ends of a bed, whose support is that of its end."""
+import csv
+import dataclasses
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import test_transition
+from trackbed_post import (bed_on_ground, ground_blocks, measures, read, stage_histories, support,
+                           support_figure, transition)
+
+
+def below_train(run):
+    """The run with springs beside its bed, over which a train runs."""
+    stages = [dict(stage, train=stage["kind"] == "passage") for stage in run.deck["stage"]]
+    return dataclasses.replace(run, deck={**run.deck, "stage": stages})
+
+
+@pytest.mark.parametrize("count, springs, inner", [
+    (31, True, range(3, 28)), (7, True, [3]), (6, True, range(1, 5)), (3, False, [1]),
+    (31, False, range(1, 30)), (2, True, [0, 1]), (1, False, [0]), (0, True, [])])
+def test_which_sleepers_are_at_the_ends(count, springs, inner):
+    assert list(np.flatnonzero(~ground_blocks.at_ends(count, springs))) == list(inner)
+
+
+def test_histories_are_of_sleepers_within_the_bed(runs):
+    run, sprung = runs[0], below_train(runs[0])
+    assert measures.chosen_sleepers(run) == [1, 3, 13]     # the edge at 2 m is nearest to 2.1 m
+    assert measures.chosen_sleepers(sprung) == [3, 7, 11]  # the first is the nearest one, too
+    shown = bed_on_ground.sleepers([sprung]).axes[-1].get_legend()
+    assert shown.get_title().get_text() == "without 3 sleepers at each end of the bed"
+    stages = stage_histories.stages([run]).axes
+    assert any(panel.get_legend() and panel.get_legend().get_title().get_text()
+               == "without 1 sleeper at each end of the bed" for panel in stages)
+    plt.close("all")
+
+
+def test_supports_at_the_ends_are_hollow(runs):
+    _, stiff, gaps = support_figure.draw([below_train(run) for run in runs]).axes
+    for panel, curves in ((stiff, 4), (gaps, 2)):
+        hollow = [line for line in panel.lines if line.get_markerfacecolor() == "white"]
+        assert len(hollow) == curves
+        assert hollow[0].get_xdata() == pytest.approx(runs[0].sleepers_x[[0, 1, 2, -3, -2, -1]])
+        words = [text.get_text() for text in panel.get_legend().texts]
+        assert words.count("end of the bed (hollow)") == 1
+    rows = list(csv.DictReader(support.table([runs[0]]).splitlines()))
+    assert [row["end"] for row in rows] == ["1", *["0"] * (len(rows) - 2), "1"]
+    plt.close("all")
+
+
+def test_spectra_are_without_the_ends(runs):
+    run = runs[0]
+    loud = run.sleeper["seat_force"].values.copy()
+    loud[:, [0, -1]] *= 100
+    other = dataclasses.replace(run, sleeper={**run.sleeper, "seat_force": read.Quantity(
+        loud, "N", "-")})
+    assert np.array_equal(bed_on_ground.spectrum_of(run, "seat_force"),
+                          bed_on_ground.spectrum_of(other, "seat_force"))
+
+
+def test_settlements_at_the_ends_are_not_in_their_mean():
+    one = test_transition.train(7.8)
+    one.passing.left[[0, 2, -1]] -= 5e-3
+    mean, largest = (of(one) for _, of in transition.OF_TRAINS[1:])
+    assert (mean, largest) == pytest.approx((0.1, 0.1))
