@@ -349,7 +349,8 @@ def draw_all(runs, folder, ends=True):
             continue
         figure.tight_layout(rect=(0, write.ORIGIN, 1, 1))
         folder.picture(name, figure)
-    text = ground_transition.table(runs) + "".join(measures.region_table(run) for run in runs)
+    unsound = bed_warnings.why_no_verdict((run.name, run) for run in runs)
+    text = ground_transition.table(runs, unsound) + "".join(map(measures.region_table, runs))
     supported = [run for run in runs if len(run.sleepers_x) and run.sleeper
                  and (run.has_passage() or not run.asks_for_passage())]
     if supported:

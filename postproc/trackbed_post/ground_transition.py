@@ -161,9 +161,10 @@ ROWS = (  # label, unit, field, factor
 NO_CHANGE = ("steepest_x", "slope_scatter", "stress_scatter")  # without a relative change
 
 
-def table(runs: Runs) -> str:
+def table(runs: Runs, unsound: str = "") -> str:
     """Text of the results of one or two runs; with two also the change from the second to the
-    first, which is the effect of the wedge if only the first has one."""
+    first, which is the effect of the wedge if only the first has one. `unsound`: why these beds
+    have no verdict."""
     wedge = max(ground_blocks.wedge_length(run) for run in runs)
     found = [one for run in runs if (one := transition(run, wedge))]
     if len(found) < len(runs):
@@ -194,8 +195,11 @@ def table(runs: Runs) -> str:
         if moved_stones:
             lines.append("warning: differences in the comparison below may have other causes than "
                          "the wedge: see the warnings above")
+        if ground_blocks.carried_by_springs(runs[0]) and \
+                runs[0].deck.get("dimension", "plane") == "plane":
+            lines.append(ON_GROUND)
         lines += effect(found[0], found[1], measures.spacing(runs[0]),
-                        ground_blocks.differ_by_wedge(*runs))
+                        judgement.why_no_pair(*runs), unsound)
     return "\n".join(lines) + "\n"
 
 
@@ -210,17 +214,35 @@ def differences(first: Transition, second: Transition, spacing: float) -> dict[s
                           wanted, beside, reference)
     slopes = most("slope_scatter")
     return {
-        "width of the transition": of("width", spacing, "m", 1, 1, "one sleeper spacing"),
-        "steepest slope of the ground, whole line": of("steepest", slopes, "mm/m", 1e3, -1),
+        WIDTH: of("width", spacing, "m", 1, 1, "one sleeper spacing"),
+        STEEPEST: of("steepest", slopes, "mm/m", 1e3, -1),
         "steepest slope of the ground at the edge": of("edge_slope", slopes, "mm/m", 1e3, -1),
         # A jump may be near zero, so its change is relative to the stress itself.
-        "change of the stress jump relative to the mean stress at the edge": of(
-            "stress_jump", most("stress_scatter"), "kPa", 1e-3, -1,
-            reference=second.stress_level)}
+        JUMP: of("stress_jump", most("stress_scatter"), "kPa", 1e-3, -1,
+                 reference=second.stress_level)}
 
 
-def effect(first: Transition, second: Transition, spacing: float, by_wedge: bool) -> list[str]:
-    """Messages on the differences between two runs; `by_wedge`: only the first has a wedge."""
+def _named(what: str, found: Difference) -> str:
+    """The name of a change; of one that is relative to something else than its second value, as in
+    the column of changes, with both."""
+    if np.isnan(found.reference) or not np.isfinite(found.of_itself):
+        return what
+    name, relative, to = what.partition(" relative")
+    return f"{name} ({found.of_itself:+.0%} of the jump itself, as in the table){relative}{to}"
+
+
+ON_GROUND = ("these are verdicts on the ground's surface; those on the level of the rail, over "
+             "which the train runs, are in transition.txt and may differ, since stones and rail "
+             "are between both")
+WIDTH = "width of the transition"
+STEEPEST = "steepest slope of the ground, whole line"
+JUMP = "change of the stress jump relative to the mean stress at the edge"
+
+
+def effect(first: Transition, second: Transition, spacing: float, no_pair: str = "",
+           unsound: str = "") -> list[str]:
+    """Messages on the differences between two runs; `no_pair`: why they do not differ by a wedge in
+    the first one only, `unsound`: why these beds have no verdict."""
     lines = []
     far = Difference(first.far_displacement, second.far_displacement, 0, "mm", 1e3).change
     differs = abs(far) > CLEAR
@@ -228,11 +250,12 @@ def effect(first: Transition, second: Transition, spacing: float, by_wedge: bool
         lines.append(f"ground displacement on plain track beyond the wedge: {far:+.0%}: " + (
             f"differs by more than {CLEAR:.0%}, although neither run has a wedge there: the runs "
             "are not comparable" if differs else
-            f"equal within {CLEAR:.0%}, so the runs are comparable"))
+            f"equal within {CLEAR:.0%}" + ("" if unsound else ", so the runs are comparable")))
     for what, found in differences(first, second, spacing).items():
         if np.isfinite(found.change):
             # The width refers to the plain track and is meaningless if that differs.
-            unclear = differs and found.beside != judgement.PLAIN
-            lines.append(f"{what}: {found.change:+.0%}: " + (
-                "no verdict, since the plain tracks differ" if unclear else found.words(by_wedge)))
+            unclear = differs and found.beside != judgement.PLAIN and not unsound
+            lines.append(f"{_named(what, found)}: {found.change:+.0%}: " + (
+                "no verdict, since the plain tracks differ" if unclear else
+                found.words(not no_pair, unsound, no_pair)))
     return lines

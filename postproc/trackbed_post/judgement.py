@@ -7,9 +7,21 @@ quantity varies by there is its scatter. Definitions: docs/postproc.md.
 import dataclasses
 import math
 
+from trackbed_post import ground_blocks, read
+
 CLEAR = 0.10  # a smaller relative difference is no clear effect
 NO_PAIR = "the first run must have all blocks of the second and at least one more (the wedge)"
 PLAIN = "the scatter on plain track"
+
+
+def why_no_pair(first: read.Results, second: read.Results) -> str:
+    """Why two runs cannot be judged; empty if the first has the wedge that the second lacks."""
+    if ground_blocks.differ_by_wedge(first, second):
+        return ""
+    if ground_blocks.differ_by_wedge(second, first):
+        return (f"{NO_PAIR}; here the second one, {second.name}, has the wedge: exchange the two "
+                "runs in the command")
+    return NO_PAIR
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,6 +44,11 @@ class Difference:
         return (self.first - self.second) / abs(reference) if reference else math.nan
 
     @property
+    def of_itself(self) -> float:
+        """Difference relative to the second value; nan if that is zero or missing."""
+        return (self.first - self.second) / abs(self.second) if self.second else math.nan
+
+    @property
     def larger_than_scatter(self) -> bool:
         return abs(self.first - self.second) > self.scatter
 
@@ -44,8 +61,11 @@ class Difference:
         shown = self.factor * value
         return f"{shown:.0f} {self.unit}" if abs(shown) >= 100 else f"{shown:.2g} {self.unit}"
 
-    def words(self, by_wedge: bool) -> str:
-        """The verdict; `by_wedge`: the runs differ by a wedge in the first one only."""
+    def words(self, by_wedge: bool, unsound: str = "", no_pair: str = NO_PAIR) -> str:
+        """The verdict; `by_wedge`: the runs differ by a wedge in the first one only, `no_pair`: why
+        they do not. `unsound`: why this bed has no verdict (bed_warnings.py)."""
+        if unsound:
+            return f"no verdict, since {unsound}"
         limit = f"{self.beside}, {self.of_text(self.scatter)}"
         difference = f"the difference, {self.of_text(abs(self.first - self.second))}, is"
         if math.isnan(self.change):
@@ -57,6 +77,6 @@ class Difference:
         if not self.larger_than_scatter:
             return f"no clear effect ({difference} not larger than {limit})"
         if not by_wedge:
-            return f"change relative to the second run; no verdict: {NO_PAIR}"
+            return f"change relative to the second run; no verdict: {no_pair}"
         expected = "as" if (self.first - self.second) * self.wanted > 0 else "NOT as"
         return f"{expected} expected of a wedge ({difference} larger than {limit})"

@@ -12,13 +12,11 @@ import textwrap
 import numpy as np
 
 from trackbed_post import (bed_warnings, ground_blocks, measures, read, train_figures,
-                           transition_figures, write)
+                           transition_figures, transition_verdict, write)
 from trackbed_post.ground_blocks import ENDS
 from trackbed_post.ground_transition import REACHED
-from trackbed_post.judgement import CLEAR, NO_PAIR, Difference
 
 BIN = 0.1            # m, of the largest wheel force along the track
-NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two designs may differ
 
 
 @dataclasses.dataclass(frozen=True)
@@ -241,100 +239,6 @@ ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3)
         ("last sleeper of plain track, x, m", "plain_end", 1))
 
 
-def differences(trains, changes):
-    """Field of Change -> Difference of the first run from the second."""
-    now, other = changes
-    steps = max(now.scatter, other.scatter)
-    ripple = max(change.force_plain - train.mean_force() for train, change in zip(trains, changes))
-
-    def of(field, *rest):
-        return Difference(getattr(now, field), getattr(other, field), *rest)
-    return {"width": of("width", measures.spacing(trains[0].run), "m", 1, 1, "one sleeper spacing"),
-            "steepest": of("steepest", steps, "mm/m", 1e3, -1),
-            "force": of("force", ripple, "kN", 1e-3, -1)}
-
-
-def different_key(first, second):
-    """The first parameter, besides those of the wedge, in which two decks differ; or nothing."""
-    def flat(deck, path=""):
-        for key, value in deck.items():
-            if isinstance(value, dict):
-                yield from flat(value, f"{path}{key}.")
-            elif not (path + key).startswith(NOT_COMPARED) and path + key != "ground.block":
-                yield path + key, value
-    one, other = dict(flat(first.deck)), dict(flat(second.deck))
-    differing = [key for key in {**one, **other} if one.get(key) != other.get(key)]
-    shared = [block.name for block in ground_blocks.present(second)]
-    blocks = [{each["name"]: each for each in run.deck["ground"].get("block", [])}
-              for run in (first, second)]
-    differing += [f"ground.block.{name}" for name in shared if blocks[0][name] != blocks[1][name]]
-    return differing[0] if differing else ""
-
-
-def why_no_verdict(trains, changes):
-    if len(trains) < 2:
-        return "give a second run, without the wedge"
-    runs = [train.run for train in trains]
-    if not ground_blocks.differ_by_wedge(*runs):
-        return NO_PAIR
-    if key := different_key(*runs):
-        return f"the decks differ in {key}, not only in the wedge"
-    if changes is None:
-        return ("the ground has no structure (a block with young of at least "
-                f"{ground_blocks.STRUCTURE / 1e9:g} GPa), or there are too few sleepers on it, "
-                "behind it or on plain track")
-    now, other = changes
-    if min(abs(1 - change.structure / change.plain) for change in changes) <= CLEAR:
-        return ("the lowest levels of the rail on the structure and on plain track differ by less "
-                f"than {CLEAR:.0%}")
-    if abs(now.plain / other.plain - 1) > CLEAR:
-        return ("the lowest levels of the rail on the plain tracks of the two runs differ by more "
-                f"than {CLEAR:.0%}")
-    if not all(np.isfinite(change.width) for change in changes):
-        return "the level of plain track is not reached behind the structure"
-    return ""
-
-
-def verdict(trains, changes):
-    """Sentences on the effect of the wedge, or why there is none."""
-    if why := why_no_verdict(trains, changes):
-        return f"No verdict: {why}."
-    now, other = changes
-    judged = {field: found.words(True) for field, found in differences(trains, changes).items()}
-    return ("The lowest level of the rail under the train changes from structure to plain track. "
-            f"With the wedge, {REACHED:.0%} of this change is reached {now.width:.2g} m behind the "
-            f"structure instead of {other.width:.2g} m: {judged['width']}. The steepest change of "
-            f"this level between two sleepers is {1e3 * now.steepest:.2g} mm/m "
-            f"{place(now.steepest_x, now.steepest_behind)}, instead of {1e3 * other.steepest:.2g} "
-            f"mm/m {place(other.steepest_x, other.steepest_behind)} "
-            f"({now.steepest / other.steepest - 1:+.0%}): {judged['steepest']}. The largest wheel "
-            f"force in the transition is {1e-3 * now.force:.1f} kN "
-            f"{place(now.force_x, now.force_behind)}, instead of {1e-3 * other.force:.1f} kN "
-            f"{place(other.force_x, other.force_behind)}: {judged['force']}. "
-            f"{cause_of_forces(trains, changes)} One packing of stones was computed.")
-
-
-def place(x, behind):
-    return f"at x = {x:.2f} m, {behind:.2f} m behind the structure"
-
-
-def cause_of_forces(trains, changes):
-    """A sentence: whether wheel forces in the transition are clearly larger than elsewhere."""
-    larger = [train.name for train, change in zip(trains, changes)
-              if change.force > change.force_plain and Difference(
-                  change.force, change.force_plain, change.force_plain - train.mean_force(),
-                  "kN").clear]
-
-    def both(field):
-        return " and ".join(f"{1e-3 * getattr(change, field):.1f}" for change in changes)
-    elsewhere = (f"forces on plain track, up to {both('force_plain')} kN; on the structure they "
-                 f"reach {both('force_structure')} kN")
-    if larger:
-        return f"{' and '.join(larger).capitalize()}, it is clearly larger than {elsewhere}."
-    return ("It is not clearly larger than " + elsewhere +
-            ": it belongs to the ripple over the whole bed.")
-
-
 def numbers(folder):
     """Name -> number of one run, those of its column in transition.txt."""
     train = train_of(folder)
@@ -382,7 +286,8 @@ def draw_into(results, folder):
     """Pictures and tables of one run, or of two compared; `results`: their folders."""
     trains = named([train_of(path) for path in results])
     changes = changes_of(trains)
-    sentence = verdict(trains, changes)
+    unsound = bed_warnings.why_no_verdict((train.name, train.run) for train in trains)
+    sentence = transition_verdict.sentences(trains, changes, unsound)
     warnings = [f"Warning: {train.name}: {one}." for train in trains
                 for one in bed_warnings.of(train.run)]
     if warnings:

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 import test_transition
-from trackbed_post import ground_transition, judgement, read
+from trackbed_post import bed_on_ground, ground_transition, judgement, read, transition, write
+from trackbed_post import transition_verdict as verdicts
 
 
 def of(first, second, scatter, wanted=-1, **more):
@@ -69,3 +70,72 @@ def test_the_verdict_on_the_rail_uses_the_same_test():
     assert "behind the structure (-80%): no clear effect (the difference," in text
     assert "is reached 2.7 m behind the structure instead of 0.54 m: as expected of a wedge" in text
     assert "behind the structure: no clear effect (within 10%)" in text
+
+
+def hanging(run):
+    """The run with one sleeper that hangs by 0.5 mm, the others on 30 kN/mm."""
+    way = 2e-3 * np.sin(np.pi * np.clip(run.time - run.time[run.passage()][0], 0, None) / 2)
+    way = np.repeat(way[:, None], len(run.sleepers_x), axis=1)
+    reaction = 2e3 + 30e6 * way
+    reaction[:, 3] = 40e6 * np.maximum(way[:, 3] - 0.5e-3, 0)
+    return dataclasses.replace(run, sleeper={
+        **run.sleeper, "displacement": read.Quantity(-way, "m", "-"),
+        "reaction": read.Quantity(reaction, "N", "-")})
+
+
+def test_a_bed_that_is_warned_of_has_no_verdict_in_the_table(runs, tmp_path):
+    made = write.Folder(tmp_path)
+    bed_on_ground.draw_all([hanging(runs[0]), runs[1]], made)
+    text = made.tables[0]
+    why = "no verdict, since in the run wedge 1 of 15 sleepers hang"
+    assert text.count(why) == 4 and "clear effect" not in text
+    assert "expected of a wedge" not in text and "comparable" not in text
+    assert "change of the stress jump (-71% of" in text and "edge: -77%: no verdict" in text
+    assert "warning: wedge: 1 of 15 sleepers hang in the passage" in text
+
+
+def test_a_bed_that_is_warned_of_has_no_verdict_on_the_rail():
+    pair = transition.named([test_transition.train(7.8),
+                             test_transition.train(5.4, wedge_present=False)])
+    why = "in the run with wedge 1 of 15 sleepers hang"
+    text = verdicts.verdict(pair, transition.changes_of(pair), why)
+    assert text.startswith(f"No verdict, since {why}: such a bed can change")
+    assert "is reached 2.7 m behind the structure instead of 0.54 m. The steepest" in text
+    assert "expected" not in text and "clear" not in text and "ripple" not in text
+
+
+def test_runs_in_the_wrong_order_are_to_be_exchanged(runs):
+    words = "has the wedge: exchange the two runs in the command"
+    assert f"here the second one, wedge, {words}" in ground_transition.table(runs[::-1])
+    assert words not in ground_transition.table(runs)
+    assert judgement.why_no_pair(runs[0], runs[0]) == judgement.NO_PAIR
+    rail = test_transition.stated(test_transition.train(5.4, wedge_present=False),
+                                  test_transition.train(7.8))
+    assert "No verdict: the first run must have all blocks" in rail and words in rail
+
+
+def test_both_percentages_of_a_stress_jump_are_named(runs):
+    text = ground_transition.table(runs)
+    line = next(line for line in text.splitlines() if line.startswith("stress jump at the edge"))
+    assert line.endswith("-71.4%")
+    assert ("change of the stress jump (-71% of the jump itself, as in the table) relative to the "
+            "mean stress at the edge: -77%: as expected") in text
+
+
+@pytest.mark.parametrize("rail, scatter, differs", [
+    (0.9e-3, 0.0, False), (1.2e-3, 0.0, True), (1.05e-3, 0.0, True), (1.05e-3, 2e-3, True)])
+def test_rail_and_ground_that_change_in_opposite_ways_are_stated(rail, scatter, differs):
+    ground = {ground_transition.WIDTH: of(1.0, 1.0, 0.1), ground_transition.STEEPEST: of(
+        0.5e-3, 1e-3, 0.1e-3)}
+    text = verdicts.beside_ground({"width": of(1.0, 1.0, 0.1), "steepest": of(
+        rail, 1e-3, scatter)}, ground)
+    assert bool(text) == differs
+    assert not differs or ("the steepest change by -50%, that of the rail by "
+                           f"{rail / 1e-3 - 1:+.0%}") in text
+
+
+def test_the_table_of_a_run_with_a_train_names_what_it_judges(runs):
+    stages = [dict(stage, train=stage["kind"] == "passage") for stage in runs[0].deck["stage"]]
+    below = [dataclasses.replace(run, deck={**run.deck, "stage": stages}) for run in runs]
+    assert ground_transition.ON_GROUND in ground_transition.table(below)
+    assert ground_transition.ON_GROUND not in ground_transition.table(runs)

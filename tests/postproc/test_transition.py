@@ -5,7 +5,7 @@ import types
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import read, transition, transition_figures
+from trackbed_post import read, transition, transition_figures, transition_verdict
 
 X = 0.6 * np.arange(1, 31)
 
@@ -37,7 +37,7 @@ def train(end_of_wedge, plain=1e-3, force=60e3, wedge_present=True):
 
 
 def stated(*trains):
-    return transition.verdict(transition.named(trains), transition.changes_of(trains))
+    return transition_verdict.verdict(transition.named(trains), transition.changes_of(trains))
 
 
 def test_levels_and_length():

@@ -1,0 +1,152 @@
+"""The verdict on two designs of a transition zone, with and without a wedge, under a train:
+sentences on the level of the rail and on wheel forces, or why there is no verdict.
+
+Of `trains` and `changes`, transition.Train and transition.Change of each run. Definition of the
+numbers: docs/postproc.md.
+"""
+import numpy as np
+
+from trackbed_post import ground_blocks, ground_transition, measures
+from trackbed_post.ground_transition import REACHED
+from trackbed_post.judgement import CLEAR, Difference, why_no_pair
+
+NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two designs may differ
+
+
+def differences(trains, changes):
+    """Field of Change -> Difference of the first run from the second."""
+    now, other = changes
+    steps = max(now.scatter, other.scatter)
+    ripple = max(change.force_plain - train.mean_force() for train, change in zip(trains, changes))
+
+    def of(field, *rest):
+        return Difference(getattr(now, field), getattr(other, field), *rest)
+    return {"width": of("width", measures.spacing(trains[0].run), "m", 1, 1, "one sleeper spacing"),
+            "steepest": of("steepest", steps, "mm/m", 1e3, -1),
+            "force": of("force", ripple, "kN", 1e-3, -1)}
+
+
+def different_key(first, second):
+    """The first parameter, besides those of the wedge, in which two decks differ; or nothing."""
+    def flat(deck, path=""):
+        for key, value in deck.items():
+            if isinstance(value, dict):
+                yield from flat(value, f"{path}{key}.")
+            elif not (path + key).startswith(NOT_COMPARED) and path + key != "ground.block":
+                yield path + key, value
+    one, other = dict(flat(first.deck)), dict(flat(second.deck))
+    differing = [key for key in {**one, **other} if one.get(key) != other.get(key)]
+    shared = [block.name for block in ground_blocks.present(second)]
+    blocks = [{each["name"]: each for each in run.deck["ground"].get("block", [])}
+              for run in (first, second)]
+    differing += [f"ground.block.{name}" for name in shared if blocks[0][name] != blocks[1][name]]
+    return differing[0] if differing else ""
+
+
+def why_no_verdict(trains, changes):
+    if len(trains) < 2:
+        return "give a second run, without the wedge"
+    runs = [train.run for train in trains]
+    if no_pair := why_no_pair(*runs):
+        return no_pair
+    if key := different_key(*runs):
+        return f"the decks differ in {key}, not only in the wedge"
+    if changes is None:
+        return ("the ground has no structure (a block with young of at least "
+                f"{ground_blocks.STRUCTURE / 1e9:g} GPa), or there are too few sleepers on it, "
+                "behind it or on plain track")
+    now, other = changes
+    if min(abs(1 - change.structure / change.plain) for change in changes) <= CLEAR:
+        return ("the lowest levels of the rail on the structure and on plain track differ by less "
+                f"than {CLEAR:.0%}")
+    if abs(now.plain / other.plain - 1) > CLEAR:
+        return ("the lowest levels of the rail on the plain tracks of the two runs differ by more "
+                f"than {CLEAR:.0%}")
+    if not all(np.isfinite(change.width) for change in changes):
+        return "the level of plain track is not reached behind the structure"
+    return ""
+
+
+def verdict(trains, changes, unsound=""):
+    """Sentences on the effect of the wedge, or why there is none. `unsound`: why these beds have no
+    verdict (bed_warnings.py); the numbers are stated all the same."""
+    if why := why_no_verdict(trains, changes):
+        return f"No verdict: {why}."
+    now, other = changes
+    judged = {field: "" if unsound else f": {found.words(True)}"
+              for field, found in differences(trains, changes).items()}
+    numbers = (
+        "The lowest level of the rail under the train changes from structure to plain track. "
+        f"With the wedge, {REACHED:.0%} of this change is reached {now.width:.2g} m behind the "
+        f"structure instead of {other.width:.2g} m{judged['width']}. The steepest change of "
+        f"this level between two sleepers is {1e3 * now.steepest:.2g} mm/m "
+        f"{place(now.steepest_x, now.steepest_behind)}, instead of {1e3 * other.steepest:.2g} "
+        f"mm/m {place(other.steepest_x, other.steepest_behind)} "
+        f"({now.steepest / other.steepest - 1:+.0%}){judged['steepest']}. The largest wheel "
+        f"force in the transition is {1e-3 * now.force:.1f} kN "
+        f"{place(now.force_x, now.force_behind)}, instead of {1e-3 * other.force:.1f} kN "
+        f"{place(other.force_x, other.force_behind)}{judged['force']}.")
+    packing = "One packing of stones was computed."
+    if unsound:
+        return (f"No verdict, since {unsound}: such a bed can change the following numbers more "
+                f"than a wedge does. {numbers} {packing} The remedies are in the warnings.")
+    return f"{numbers} {cause_of_forces(trains, changes)} {packing}"
+
+
+def place(x, behind):
+    return f"at x = {x:.2f} m, {behind:.2f} m behind the structure"
+
+
+def cause_of_forces(trains, changes):
+    """A sentence: whether wheel forces in the transition are clearly larger than elsewhere."""
+    larger = [train.name for train, change in zip(trains, changes)
+              if change.force > change.force_plain and Difference(
+                  change.force, change.force_plain, change.force_plain - train.mean_force(),
+                  "kN").clear]
+
+    def both(field):
+        return " and ".join(f"{1e-3 * getattr(change, field):.1f}" for change in changes)
+    elsewhere = (f"forces on plain track, up to {both('force_plain')} kN; on the structure they "
+                 f"reach {both('force_structure')} kN")
+    if larger:
+        return f"{' and '.join(larger).capitalize()}, it is clearly larger than {elsewhere}."
+    return ("It is not clearly larger than " + elsewhere +
+            ": it belongs to the ripple over the whole bed.")
+
+
+SAME = (("width", ground_transition.WIDTH, "distance at which the change is reached"),
+        ("steepest", ground_transition.STEEPEST, "steepest change"))  # of rail, of ground, words
+
+
+def beside_ground(rail, ground):
+    """A sentence where the ground's surface, which table.txt judges, changes the other way than the
+    rail and one of both changes clearly; otherwise empty. {name: Difference} of both."""
+    found = [f"the {words} by {ground[below].change:+.0%}, that of the rail by "
+             f"{rail[above].change:+.0%}" for above, below, words in SAME
+             if rail[above].change * ground[below].change < 0
+             and (rail[above].clear or ground[below].clear)]
+    if not found:
+        return ""
+    return (f"At the ground's surface (table.txt) the numbers change the other way: "
+            f"{', and '.join(found)}. Stones and rail are between both; the train runs on the "
+            "rail.")
+
+
+def of_ground(trains):
+    """{name: Difference} at the ground's surface; empty where it cannot be measured."""
+    runs = [train.run for train in trains]
+    wedge = max(ground_blocks.wedge_length(run) for run in runs)
+    found = [ground_transition.transition(run, wedge) for run in runs]
+    if len(found) < 2 or None in found:
+        return {}
+    return ground_transition.differences(*found, measures.spacing(runs[0]))
+
+
+def sentences(trains, changes, unsound):
+    """The verdict, and how it differs from that on the ground."""
+    found = verdict(trains, changes, unsound)
+    if unsound or why_no_verdict(trains, changes):
+        return found
+    ground = of_ground(trains)
+    return " ".join(filter(None, [found, ground and beside_ground(differences(trains, changes),
+                                                                  ground)]))
