@@ -56,3 +56,10 @@ def row_before_train(first_axle_x: np.ndarray, bed_begin: float) -> int:
     their common equilibrium."""
     near = np.flatnonzero(first_axle_x > bed_begin - APART)
     return max(int(near[0]) - 1, 0) if len(near) else 0
+
+
+def time_off(there: np.ndarray, force: np.ndarray) -> float:
+    """Part of the rows with a wheel at a place of interest (`there`, [time, wheel]) in which one of
+    these wheels has no force."""
+    off = (there & (force == 0)).any(axis=1)
+    return float(np.count_nonzero(off) / max(1, np.count_nonzero(there.any(axis=1))))

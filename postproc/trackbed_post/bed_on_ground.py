@@ -9,8 +9,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from trackbed_post import (bed_figures, bed_histories, bed_warnings, figure_csv, frequencies,
-                           ground_blocks, ground_transition, measures, read, shades, signals,
-                           stage_histories, support, support_figure, train_strip, write)
+                           ground_blocks, ground_transition, measures, passage_warnings, read,
+                           shades, signals, stage_histories, support, support_figure, train_strip,
+                           write)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 from trackbed_post.panels import UP, legend_below
 
@@ -356,7 +357,7 @@ def draw_all(runs, folder, ends=True):
     if supported:
         text += "\n" + "".join(support.summary(run) + "\n" for run in supported)
         text += "".join(f"warning: {run.name}: {one}\n" for run in supported
-                        for one in bed_warnings.of(run))
+                        for one in (*bed_warnings.of(run), *passage_warnings.of_bed(run)))
         folder.file("support.csv", support.table(supported))
     text += table_of_peaks(runs)
     text += "".join(f"warning of {run.name}: {line}\n" for run in runs for line in run.warnings)

@@ -77,6 +77,7 @@ class Results:
     walls: dict[str, Quantities]  # per wall `force`, N, and `displacement`, m: [time, x y z]
     platen: Quantities  # `z`, m, and `pressure`, Pa: [time]; `force`, N: [time, x y z]
     regions: dict[str, Quantities]  # per region; [time, cell], tensors [time, cell, 6]
+    seat: Quantities   # of a train on two rails: [time, seat], left before right
     wheel: Quantities  # of a train: `x`, m, nan beside the track, and `force`, N: [time, wheel]
     sensors: dict[str, Quantities]  # per sensor: [time], [time, x y z]; stress [time, 6]
     placed: dict[str, Quantities]  # per stone placed by the deck: [time], [time, x y z]
@@ -264,6 +265,7 @@ def _results(file_path: pathlib.Path, file: h5py.File) -> Results:
         energy=_quantities(file, "history/energy"),
         grading=_array(file, "bed/grading").reshape(-1, 4),
         walls=_named(file, "history/wall"),
+        seat=_of_places(file, "history/seat"),
         wheel=_of_places(file, "history/wheel"),
         sensors=_named(file, "history/sensor"),
         placed=_named(file, "history/stone"),

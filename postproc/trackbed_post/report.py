@@ -15,7 +15,8 @@ import pathlib
 import tempfile
 import time
 
-from trackbed_post import bed_warnings, curves, kinds, overlays, program, progress, read, write
+from trackbed_post import (bed_warnings, curves, kinds, overlays, passage_warnings, program,
+                           progress, read, write)
 
 
 STYLE = """
@@ -149,7 +150,8 @@ def of_bed(folder):
 
 def warnings_of(runs):
     lines = [element("p", f"{run.name}: {one}", **{"class": "warning"})
-             for run in runs for one in (*run.summary.get("warnings", []), *of_bed(run.folder))]
+             for run in runs for one in (*run.summary.get("warnings", []), *of_bed(run.folder),
+                                         *passage_warnings.of_folder(run.folder))]
     return "\n".join(lines) or element("p", "None." if any(run.summary for run in runs)
                                        else "Known when the run has ended.")
 

@@ -12,7 +12,8 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import panels, read, signals, track_measures, train_strip
+from trackbed_post import (axles, panels, passage_warnings, read, signals, track_measures,
+                           train_strip)
 
 FILTER = signals.LowPass()
 SHOWN_AXLES = 4  # axles of the first rolling vehicle
@@ -125,6 +126,9 @@ def wheel_numbers(run, length, run_in, extremes):
         raise read.Unreadable("no wheel was on the track while histories were written")
     found = wheel_forces(run, length, run_in, extremes)
     wheels = rolling(run)
+    if lost := axles.time_off(between_run_ins(run, length, run_in), history(run, "wheel/force")):
+        found["time with a wheel off the rail"
+              + (" between the run-ins" if run_in > 0 else "")] = (100 * lost, "%")
     if "history/wheel/height" in run and wheels:
         path = track_measures.loaded_rail(history(run, "wheel/x")[:, wheels[0]],
                                           history(run, "wheel/height")[:, wheels[0]], 0, length)[1]
@@ -401,12 +405,17 @@ def draw_beside(names, runs):
     return figure
 
 
+def warnings_of(folder, name):
+    return "".join(f"warning: {name}: {one}\n" for one in passage_warnings.of_folder(folder))
+
+
 def compare_into(results, folder):
     """Table and picture of several runs beside each other."""
     names, runs = names_of(results), [opened(one) for one in results]
     if picture := draw_beside(names, [run for run, _, _ in runs]):
         folder.picture("compare", picture)
-    folder.table("compare.txt", table_beside(names, [found for _, _, found in runs]))
+    text = table_beside(names, [found for _, _, found in runs])
+    folder.table("compare.txt", text + "".join(map(warnings_of, results, names)))
 
 
 def draw_into(results, folder):
@@ -420,5 +429,5 @@ def draw_into(results, folder):
     if of_points := receptances(run):
         folder.picture("receptance", draw_receptances(*of_points))
         folder.file("receptance.csv", table_of(*of_points))
-    folder.table("track.txt", "".join(
-        f"{name:60} {value:10.4g} {unit}\n" for name, (value, unit) in found.items()))
+    text = "".join(f"{name:60} {value:10.4g} {unit}\n" for name, (value, unit) in found.items())
+    folder.table("track.txt", text + warnings_of(results[0], results[0].resolve().name))

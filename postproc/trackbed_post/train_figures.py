@@ -6,7 +6,7 @@ numbers: docs/track.md.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import axles, ground_blocks, panels, read, shades
+from trackbed_post import axles, ground_blocks, panels, passage_warnings, read, shades
 
 SHOWN_WHEELS = len(panels.MARKERS)  # the first wheels are shown
 
@@ -66,9 +66,8 @@ class Passing:
 
     def off_the_rail(self):
         """Part of the rows with an axle over the bed in which a wheel there has no force."""
-        there = self.on_bed()
-        off = there & (self.force == 0).any(axis=2)
-        return np.count_nonzero(off.any(axis=1)) / max(1, np.count_nonzero(there.any(axis=1)))
+        there = np.repeat(self.on_bed(), self.force.shape[2], axis=1)
+        return axles.time_off(there, self.force.reshape(len(there), -1))
 
     def sunk_since_first(self):
         """[axle, sleeper], m: how much lower a sleeper is under an axle than under the first."""
@@ -154,5 +153,6 @@ def draw_into(results, folder):
     wide = max(map(len, found)) + 1
     text = "".join(f"{name:{wide}} {value:10.4g} {unit}\n"
                    for name, (value, unit) in found.items())
+    text += "".join(f"warning: {run.name}: {one}\n" for one in passage_warnings.of_bed(run))
     folder.picture("train", draw(passing, ground_blocks.stretches(run)))
     folder.table("train.txt", text)

@@ -11,8 +11,8 @@ import textwrap
 
 import numpy as np
 
-from trackbed_post import (bed_warnings, ground_blocks, measures, read, train_figures,
-                           transition_figures, transition_verdict, write)
+from trackbed_post import (bed_warnings, ground_blocks, measures, passage_warnings, read,
+                           train_figures, transition_figures, transition_verdict, write)
 from trackbed_post.ground_blocks import ENDS
 from trackbed_post.ground_transition import REACHED
 
@@ -289,7 +289,7 @@ def draw_into(results, folder):
     unsound = bed_warnings.why_no_verdict((train.name, train.run) for train in trains)
     sentence = transition_verdict.sentences(trains, changes, unsound)
     warnings = [f"Warning: {train.name}: {one}." for train in trains
-                for one in bed_warnings.of(train.run)]
+                for one in (*bed_warnings.of(train.run), *passage_warnings.of_bed(train.run))]
     if warnings:
         sentence = " ".join([sentence, *warnings])
     folder.picture("transition", transition_figures.compare(trains, changes, sentence))

@@ -1,0 +1,144 @@
+"""What a reader of the figures of a train must know: wheels that were off the rail, and rail pads
+in tension, which no fastening carries. Each is stated once, with its worst place."""
+import typing
+
+import numpy as np
+
+from trackbed_post import axles, ground_blocks, read
+
+# A rail on equal springs lifts by exp(-pi) = 4 % of its largest deflection ahead of a wheel, and
+# between two wheels by up to twice as much; pads that pull more have another cause.
+PULLS = 0.1  # of the load of a seat below a wheel
+
+
+def of_bed(run: read.Results) -> list[str]:
+    """Of a train over a bed, sentences without the name of the run."""
+    if not (run.has_passage() and ground_blocks.carried_by_springs(run) and len(run.sleepers_x)):
+        return []
+    return [*_of_wheels_over_bed(run), *_of_pads_on_bed(run)]
+
+
+def of_track(every: read.Quantities, deck: read.Deck,
+             summary: dict[str, typing.Any]) -> list[str]:
+    """Of a track without stones: datasets, deck and summary.json (empty before the run's end)."""
+    if "history/wheel/force" not in every:
+        return []
+    return [*_of_wheels_on_track(every, deck, summary), *_of_pads_of_track(every, deck)]
+
+
+def of_folder(folder: typing.Any) -> list[str]:
+    """Of any run; none of a run without a train, or before it has histories."""
+    try:
+        run = read.results(folder)
+        if run.deck.get("model") in ("track", "track_on_ground"):
+            return of_track(read.datasets(folder), run.deck, read.summary(folder))
+        return of_bed(run)
+    except read.Unreadable:
+        return []
+
+
+def _of_wheels_over_bed(run: read.Results) -> list[str]:
+    if not {"x", "force"} <= run.wheel.keys():
+        return []
+    rows = run.passage()
+    x, force = (run.wheel[name].values[rows] for name in ("x", "force"))
+    there = (x >= run.sleepers_x[0]) & (x <= run.sleepers_x[-1])
+    share = axles.time_off(there, force)
+    if not share:
+        return []
+    return [f"a wheel is off the rail in {100 * share:.2g} % of the rows of the histories with "
+            f"a wheel over the bed, {_stretch(x[there & (force == 0)])}: {MEANT}"]
+
+
+MEANT = ("wheel forces there are those of impacts; if no dip, joint or flat is meant to lift "
+         "wheels, check irregularity, speed and passage.step")
+
+
+def _stretch(x: np.ndarray) -> str:
+    return f"at x = {x.min():.2f} m" + (f" to {x.max():.2f} m" if np.ptp(x) > 0.01 else "")
+
+
+def _of_wheels_on_track(every: read.Quantities, deck: read.Deck,
+                        summary: dict[str, typing.Any]) -> list[str]:
+    x, force = (_columns(every[f"history/wheel/{name}"]) for name in ("x", "force"))
+    there = (x >= 0) & (x <= deck["track"]["length"])
+    off = there & (force == 0)
+    share = share_of_wheels(every, deck, summary)
+    if not share:
+        return []
+    where = _stretch(x[off]) if off.any() else "between the rows of the histories"
+    return [f"wheels are off the rail in {100 * share:.2g} % of their time on the track (sum "
+            f"over all wheels, run-ins included), {where}: {MEANT}"]
+
+
+def share_of_wheels(every: read.Quantities, deck: read.Deck,
+                    summary: dict[str, typing.Any]) -> float:
+    """Part of their time on the track that wheels are off the rail, as the warning of the program
+    counts it: of all steps if summary.json states their number, otherwise of the rows."""
+    x, force = (_columns(every[f"history/wheel/{name}"]) for name in ("x", "force"))
+    there = (x >= 0) & (x <= deck["track"]["length"])
+    count = np.count_nonzero(there)
+    if not count:
+        return 0.0
+    steps = summary.get("track", {}).get("wheel_steps_off_rail")
+    step = deck.get("passage", {}).get("step", 0)
+    time = every["history/time"].values.ravel()
+    if steps is None or not step or len(time) < 2:
+        return float(np.count_nonzero(there & (force == 0)) / count)
+    return float(steps * step / (count * np.median(np.diff(time))))
+
+
+def _columns(item: read.Quantity) -> np.ndarray:
+    return item.values.reshape(len(item.values), -1)
+
+
+def _of_pads_on_bed(run: read.Results) -> list[str]:
+    """The load of a seat contains the weight of rails and fastenings, seat_force of the stage."""
+    rows = run.passage()
+    weight = run.deck["stage"][int(run.stage[rows][0])].get("seat_force", 0.0)
+    if "force" in run.seat:  # two rails, left before right
+        load = run.seat["force"].values[rows] + weight / 2
+        x = np.repeat(run.sleepers_x, 2)
+        inner = np.repeat(~ground_blocks.ends(run), 2)
+    elif "seat_force" in run.sleeper:
+        load, x = -run.sleeper["seat_force"].values[rows], run.sleepers_x
+        inner = ~ground_blocks.ends(run)
+    else:
+        return []
+    known = np.isfinite(load).all(axis=1)
+    if not known.any() or load.shape[1] != len(x):
+        return []
+    load = load[known][:, inner]
+    return _of_pads(x[inner], load.min(axis=0), load.max(axis=0), "bed these sleepers in by more "
+                    "cycles of load before the passage, or check irregularity and speed")
+
+
+def _of_pads_of_track(every: read.Quantities, deck: read.Deck) -> list[str]:
+    """Without the weight of the rail, which this model does not have."""
+    names = [f"envelope/sleeper/seat_force_{end}" for end in ("min", "max")]
+    if deck.get("pad", {}).get("uplift") or not {"envelope/x", *names} <= every.keys():
+        return []
+    x = every["envelope/x"].values.ravel()
+    track = deck["track"]
+    run_in = 0 if track.get("support") == "none" else track.get("run_in", 0)
+    there = (x >= run_in) & (x <= track["length"] - run_in)
+    if not there.any():
+        return []
+    least, most = (every[name].values.ravel()[there] for name in names)
+    remedy = "set pad.uplift = true with the clamping force as pad.preload" \
+        if deck.get("model") == "track" else "look for sleepers without support there"
+    return _of_pads(x[there], least, most, f"{remedy}, or check irregularity and speed")
+
+
+def _of_pads(x: np.ndarray, least: np.ndarray, most: np.ndarray, remedy: str) -> list[str]:
+    """Of the least and largest load of each seat, N, down."""
+    usual = float(np.median(most))
+    pulls = least < -PULLS * usual
+    if usual <= 0 or not pulls.any():
+        return []
+    k = int(np.argmin(least))
+    return [f"rail pads are in tension at {np.count_nonzero(pulls)} of {len(x)} seats, most at x = "
+            f"{x[k]:.2f} m by {-1e-3 * least[k]:.1f} kN, {-least[k] / usual:.0%} of the load of a "
+            f"seat below a wheel, {1e-3 * usual:.1f} kN (limit {PULLS:.0%}): pads of the model "
+            "transmit tension, fastenings only up to their clamping force, so that rail and "
+            f"sleepers would move apart; {remedy}"]
