@@ -124,9 +124,8 @@ def stress(runs):
     return figure
 
 
-def peak_text(frequency, amplitude, target):
-    peak = signals.peak_near(frequency, amplitude, target)
-    return "no peak" if peak is None else f"peak at {peak:.2f} Hz"
+def peak_text(peak):
+    return "no peak that stands out" if peak is None else f"peak at {peak:.2f} Hz"
 
 
 SPECTRA = {"acceleration": ("m/s2", 1), "displacement": ("mm", 1e3), "seat_force": ("kN", 1e-3)}
@@ -144,6 +143,19 @@ def spectrum_of(run, name):
     return frequency, np.sqrt(np.mean(amplitude**2, axis=1))
 
 
+def peaks_of(frequency, amplitude, marks):
+    """Name of each passing frequency -> its peak, Hz, or None."""
+    return {name: signals.peak_at(frequency, amplitude, target, frequencies.reach(marks, name))
+            for name, target in marks.items()}
+
+
+def mark_peaks(panel, frequency, amplitude, marks, colour):
+    """Rings around the peaks at passing frequencies; whether there are any."""
+    found = [peak for peak in peaks_of(frequency, amplitude, marks).values() if peak is not None]
+    panel.plot(found, np.interp(found, frequency, amplitude), "o", ms=7, mfc="none", color=colour)
+    return bool(found)
+
+
 def table_of_peaks(runs):
     """Text: peaks of the spectra near the passing frequencies; empty where there are none."""
     lines = []
@@ -153,9 +165,9 @@ def table_of_peaks(runs):
             continue
         lines += ["", f"spectra of sleepers near the passing frequencies, {run.name}"]
         for name in ("acceleration", "seat_force"):
-            found = spectrum_of(run, name)
+            found = peaks_of(*spectrum_of(run, name), marks)
             lines += [f"  {name.replace('_', ' '):<16}{f'{mark} = {target:.2f} Hz':<24}"
-                      f"{peak_text(*found, target)}" for mark, target in marks.items()]
+                      f"{peak_text(found[mark])}" for mark, target in marks.items()]
     return "\n".join(lines) + "\n" if lines else ""
 
 
@@ -166,11 +178,13 @@ def spectra(runs):
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(9, 9))
     marks = frequencies.of_passage(runs[0])
     shown_hz = max(SHOWN_HZ, BEYOND * max(marks.values(), default=0))
+    ringed = False
     for run, colour in zip(runs, COLOURS):
         for panel, (name, (unit, _)) in zip(panels, SPECTRA.items()):
             frequency, mean = spectrum_of(run, name)
             shown = frequency <= shown_hz
             panel.plot(frequency[shown], mean[shown], color=colour, lw=1, label=run.name)
+            ringed |= mark_peaks(panel, frequency, mean, frequencies.of_passage(run), colour)
             panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
     for panel in panels:
         for mark, target in marks.items():
@@ -183,6 +197,8 @@ def spectra(runs):
     left_out = measures.without_ends(runs[0])
     words = ", ".join(f"{mark} = {target:.1f} Hz" for mark, target in marks.items())
     panels[-1].set_xlabel("frequency (Hz)")
+    if ringed:
+        panels[-1].plot([], [], "ko", ms=7, mfc="none", label="peak at a passing frequency")
     legend_below(panels[-1])
     panels[0].set_title(f"Spectra of sleepers, root mean square {left_out or 'over all'}\n{words}",
                         fontsize=10)

@@ -16,14 +16,14 @@ def bogies_of(places: np.ndarray) -> list[np.ndarray]:
 
 def of_train(results: read.Results) -> dict[str, float]:
     """{name: Hz} of a train on a rail, from the places of its first vehicle's axles; L_v is the
-    distance of equal axles of the first two vehicles. Of vehicles that differ v/s only; empty if
-    the speed changes."""
+    distance of equal axles of the first two vehicles. Of vehicles that differ, or without histories
+    of wheels, v/s only; empty if the speed changes."""
     train = results.deck.get("train", {})
     speed, count = train.get("speed", 0.0), len(train.get("vehicles", []))
     x = results.wheel.get("x", read.NOTHING).values
-    if not x.size or not count or not speed or train.get("speeds"):
+    if not count or not speed or train.get("speeds"):
         return {}
-    vehicles = axles.by_vehicle(axles.of_wheels(x[results.passage()]), count)
+    vehicles = axles.by_vehicle(axles.of_wheels(x[results.passage()]), count) if x.size else None
     found = {}
     if vehicles is not None:
         bogies = bogies_of(vehicles[0])
@@ -35,6 +35,15 @@ def of_train(results: read.Results) -> dict[str, float]:
         if len(bogies[0]) > 1:
             found["v/L_w"] = speed / (bogies[0][1] - bogies[0][0])
     return found | {"v/s": speed / measures.spacing(results)}
+
+
+NEAR = 0.2  # of a passing frequency: a peak that is further away is not its own
+
+
+def reach(marks: dict[str, float], name: str) -> float:
+    """How far from a passing frequency its peak may be, Hz: half the distance of the lobes, which
+    is the lowest passing frequency, as the slope of one factor shifts the maximum of another."""
+    return min(NEAR * marks[name], min(marks.values()) / 2)
 
 
 def of_passage(results: read.Results) -> dict[str, float]:
