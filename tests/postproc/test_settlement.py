@@ -1,4 +1,5 @@
 """Laws of settlement against published numbers, their fit, traffic, and the check of a jump."""
+import dataclasses
 import types
 
 import numpy as np
@@ -161,3 +162,57 @@ def test_forecast_of_days_and_tonnes():
     assert curves["Shenton"][-1] == pytest.approx(laws.shenton(1e5, 20, 10e-3))
     assert curves["Li and Selig, 1.5 m of CL"][-1] == pytest.approx(1.5 * laws.li_selig(1e5, 0.4,
                                                                                        "CL"))
+
+
+def course_of(settled, ground=None, cycles=12):
+    count = np.arange(cycles + 1.0)
+    return course.Course(count, settled(count)[:, None], count, np.zeros(cycles + 1, int),
+                         np.zeros(cycles + 1, bool), None if ground is None else ground(count))
+
+
+@pytest.mark.parametrize("power, limit", [(1.6, 1.0), (-2.0, -1.0), (0.5, None)])
+def test_an_exponent_at_its_limit_is_no_law(power, limit):
+    from trackbed_post.settlement import command
+    found = course_of(lambda n: 1e-3 * laws.law(n, power))
+    logarithm, fit = command.fitted(found, 1)
+    text = command.table_of("made", found, [logarithm, fit], [], [])
+    words = f"power: exponent at its limit, b = {limit}: no law can be read from so few passages"
+    assert fit.at_limit == (limit is not None) and not logarithm.at_limit
+    if limit is None:
+        assert "0.000 mm + 1 mm * ((1 + N)^b - 1)/b with b = 0.5;" in text
+    else:
+        assert words.replace(".0:", ":") in text and text.count("((1 + N)^b") == 1
+
+
+def test_no_law_on_a_ground_that_vibrates():
+    from trackbed_post.settlement import command
+
+    def settled(n):
+        return 1e-3 * np.log1p(n)
+    amount = np.ptp(settled(np.arange(1, 13)))
+    for part, law in ((0.09, True), (0.11, False)):
+        found = course_of(settled, lambda n, part=part: part * amount / 2 * np.cos(np.pi * n))
+        assert bool(command.fitted(found, 1)) == law
+    why = command.why_no_laws(found, 1)
+    assert "the ground vibrates, and rises by up to 0.21 mm" in why and "settle by 1.9 mm" in why
+    yielding = course_of(settled, lambda n: 5e-4 * np.log1p(n))
+    assert command.why_no_laws(yielding, 1) == "" and len(command.fitted(yielding, 1)) == 2
+
+
+def test_a_forecast_of_one_law_has_no_known_uncertainty():
+    from trackbed_post.settlement import command
+    forecast = command.Forecast(traffic.Traffic((traffic.Trains("one", 10, 100, 20),)), 100.0, 4.0)
+    fits = laws.fit(np.arange(1.0, 10), 1e-3 * np.arange(1.0, 10)**2)
+    given = types.SimpleNamespace(lift=None, force=None, subgrade=None)
+    curves = command.forecast_curves(forecast, [one for one in fits if not one.at_limit], given)
+    text = command.forecast_table(forecast, *curves)
+    assert "its uncertainty is not known" in text and "differ by" not in text
+
+
+def test_the_ground_of_a_run_is_read_at_the_ends_of_cycles(runs):
+    run = runs[0]
+    height = -1e-3 * np.arange(len(run.time))[:, None] * (run.ground_x / run.ground_x.max())[None]
+    moved = dataclasses.replace(run, ground={"displacement": read.Quantity(height, "m", "-")})
+    mean = np.mean(run.sleepers_x) / run.ground_x.max()
+    assert course.ground_below(moved, np.array([5, 15])) == pytest.approx([0, 10e-3 * mean])
+    assert course.ground_below(run, np.array([5, 15])) is None

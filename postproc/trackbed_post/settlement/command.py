@@ -11,6 +11,7 @@ from trackbed_post.settlement import course, laws, traffic
 
 POINTS = 200  # of a curve
 FEWEST = 5    # cycles to which laws are fitted
+VIBRATES = 0.1  # of the settlement, by which the ground may rise between the rows of a fit
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,11 +63,40 @@ def axles_as_csv(trains):
     return rows_as_csv(("train", "axle", "mean_mm", "largest_mm", "more_than_first_axle_mm"), rows)
 
 
+def used(found, begin):
+    """Rows to which laws are fitted: those of computed cycles from `begin` on."""
+    return (found.cycles >= begin) & ~found.jump
+
+
+def why_no_laws(found, begin):
+    """Why no laws are fitted; empty if they are."""
+    use = used(found, begin)
+    if use.sum() < FEWEST:
+        return (f"fewer than {FEWEST} computed cycles from cycle {begin:g} on, too few to fit laws "
+                "of settlement")
+    rises, settles = found.ground_rises(use), np.ptp(found.mean()[use])
+    if rises > VIBRATES * settles:
+        return (f"no law of settlement is fitted: the ground vibrates, and rises by up to "
+                f"{1e3 * rises:.2g} mm between the ends of cycles, in which the sleepers settle by "
+                f"{1e3 * settles:.2g} mm (limit {VIBRATES:.0%} of this); give the ground more "
+                "damping (ground.rayleigh_mass) or viscous sides, or compute more cycles")
+    return ""
+
+
 def fitted(found, begin):
     """Laws fitted to the mean of the sleepers from cycle `begin` on, computed cycles alone; none if
-    they are too few."""
-    use = (found.cycles >= begin) & ~found.jump
-    return laws.fit(found.cycles[use], found.mean()[use]) if use.sum() >= FEWEST else []
+    they are too few, or if the ground vibrates."""
+    use = used(found, begin)
+    return [] if why_no_laws(found, begin) else laws.fit(found.cycles[use], found.mean()[use])
+
+
+def words_of(fit):
+    """A line on a fitted law."""
+    if fit.at_limit:
+        return (f"  {fit.name}: exponent at its limit, b = {fit.exponent:g}: no law can be read "
+                "from so few passages or cycles; compute more of them")
+    return (f"  {fit.name}: {1e3 * fit.begin:.3f} mm + {1e3 * fit.rate:.4g} mm * "
+            f"((1 + N)^b - 1)/b with b = {fit.exponent:.3g}; scatter {1e3 * fit.scatter:.2g} mm")
 
 
 def table_of(name, found, fits, aims, checks):
@@ -75,9 +105,7 @@ def table_of(name, found, fits, aims, checks):
              f"  settlement of the sleepers: mean {1e3 * mean[-1]:.3f} mm, largest "
              f"{1e3 * found.settled[-1].max():.3f} mm, smallest "
              f"{1e3 * found.settled[-1].min():.3f} mm"]
-    lines += [f"  {fit.name}: {1e3 * fit.begin:.3f} mm + {1e3 * fit.rate:.4g} mm * "
-              f"((1 + N)^b - 1)/b with b = {fit.exponent:.3g}; scatter {1e3 * fit.scatter:.2g} mm"
-              for fit in fits]
+    lines += map(words_of, fits)
     for one in aims:
         error = (f"{1e3 * one.error:.3f} mm" if np.isfinite(one.error)
                  else "not known (too few cycles)")
@@ -121,7 +149,9 @@ def forecast_table(forecast, days, curves):
     lines = [f"forecast for {unit}, {days[-1] * forecast.cycles_per_day():.3g} cycles of the run"]
     lines += [f"  {name}: {1e3 * settled[-1]:.2f} mm" for name, settled in curves.items()]
     of_fits = [settled[-1] for name, settled in curves.items() if name.endswith("fitted")]
-    if of_fits:
+    if len(of_fits) == 1:
+        lines.append("  one law only could be fitted, so that its uncertainty is not known")
+    elif of_fits:
         lines.append(f"  the fitted laws differ by {1e3 * np.ptp(of_fits):.2f} mm, which is the "
                      "least uncertainty beyond the computed cycles")
     return "\n".join(lines) + "\n"
@@ -152,15 +182,15 @@ def settlement(results, folder, given, forecast=None):
         run = read.results(path)
         found = course.course_of(path)
         fits = fitted(found, given.begin)
-        if not fits:
-            folder.remarks.append(f"{run.name}: fewer than {FEWEST} computed cycles from cycle "
-                                  f"{given.begin:g} on, too few to fit laws of settlement")
+        if why := why_no_laws(found, given.begin):
+            folder.remarks.append(f"{run.name}: {why}")
         prefix = "" if len(results) == 1 else f"{number + 1}_{run.name}_"
         folder.file(f"{prefix}settlement.csv", course_as_csv(found, run.deck))
         if trains := course.axles_of(path):
             folder.file(f"{prefix}axles.csv", axles_as_csv(trains))
         text.append(table_of(run.name, found, fits, course.aims(found, run.deck),
-                             course.checks(found, run.deck)))
+                             course.checks(found, run.deck)) + (f"  {why}\n" if why else ""))
+        fits = [fit for fit in fits if not fit.at_limit]
         draw_course(left, run.name, found, fits, f"C{number}")
         if forecast:
             days, curves = forecast_curves(forecast, fits, given)

@@ -11,15 +11,25 @@ from trackbed_post.settlement import laws
 class Course:
     """Complete cycles (counted as by the program, jumps included), and the settlement of each
     sleeper since the count began, m, [row, sleeper]. `stage`: number of the stage in which a row
-    lies; `jump`: whether that stage is a jump."""
+    lies; `jump`: whether that stage is a jump; `ground`: how far the ground's top is lowered, m,
+    [row], mean over the sleepers, None without its histories."""
     cycles: np.ndarray
     settled: np.ndarray
     time: np.ndarray
     stage: np.ndarray
     jump: np.ndarray
+    ground: np.ndarray | None = None
 
     def mean(self):
         return self.settled.mean(axis=1)
+
+    def ground_rises(self, use):
+        """How far the ground is above its lowest level before, in rows `use`, m, at most: it
+        vibrates, since what has yielded stays low."""
+        if self.ground is None or not use.any():
+            return 0.0
+        lowered = self.ground[use]
+        return float(np.max(np.maximum.accumulate(lowered) - lowered))
 
 
 def course_of(path):
@@ -46,7 +56,17 @@ def course_of(path):
     level = run.sleeper["displacement"].values
     return Course(np.array([float(count[begin]), *cycles]), level[begin] - level[rows],
                   run.time[rows], of_stage,
-                  np.array([stages[k]["kind"] == "jump" for k in of_stage]))
+                  np.array([stages[k]["kind"] == "jump" for k in of_stage]),
+                  ground_below(run, rows))
+
+
+def ground_below(run, rows):
+    """Course.ground of these rows of the histories."""
+    if "displacement" not in run.ground or not len(run.ground_x):
+        return None
+    height = run.ground["displacement"].values[rows]
+    level = np.array([np.interp(run.sleepers_x, run.ground_x, row).mean() for row in height])
+    return level[0] - level
 
 
 def last_cycles(run, count):

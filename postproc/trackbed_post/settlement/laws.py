@@ -10,6 +10,7 @@ import numpy as np
 # soil of the subgrade (unified soil classification).
 SOILS = {"ML": (0.64, 0.10, 1.7), "MH": (0.84, 0.13, 2.0), "CL": (1.1, 0.16, 2.0),
          "CH": (1.2, 0.18, 2.4)}
+LIMITS = (-1.0, 1.0)  # of the exponent in a fit: below 0 settlement ends, 1 is a constant rate
 STEPS = 400  # of the exponent in a fit
 
 
@@ -82,6 +83,11 @@ class Fit:
     rate: float
     scatter: float
 
+    @property
+    def at_limit(self):
+        """Whether an exponent beyond LIMITS may fit better: then the counts were too few."""
+        return self.exponent in LIMITS
+
     def at(self, count):
         return self.begin + self.rate * law(count, self.exponent)
 
@@ -95,9 +101,8 @@ def _fit_with(count, settled, exponent, name):
 
 
 def fit(count, settled):
-    """The logarithmic law, and the one with the exponent from -1 (below 0 settlement ends) to 1
-    that fits best."""
-    exponents = np.linspace(-1, 1, STEPS + 1)
+    """The logarithmic law, and the one with the exponent within LIMITS that fits best."""
+    exponents = np.linspace(*LIMITS, STEPS + 1)
     best = min((_fit_with(count, settled, b, "power") for b in exponents),
                key=lambda one: one.scatter)
     return [_fit_with(count, settled, 0.0, "logarithm"), best]
