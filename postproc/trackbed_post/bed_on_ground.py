@@ -84,19 +84,22 @@ def envelope(runs):
     for run, colour in zip(runs, COLOURS):
         ground = run.ground_envelope["displacement_min"].values * 1e3
         order = np.argsort(run.ground_x)
-        lower.plot(run.ground_x[order], ground[order], color=colour, lw=1.2, label=run.name)
+        lower.plot(run.ground_x[order], ground[order], color=colour, lw=1.2,
+                   label=f"ground surface, {run.name}")
         if "displacement_min" in run.sleeper_envelope:
             upper.plot(run.sleepers_x, run.sleeper_envelope["displacement_min"].values * 1e3, "o-",
-                       color=colour, lw=1, ms=4, label=run.name)
-        text.append(f"{run.name}: {-np.min(ground):.3f} mm")
+                       color=colour, lw=1, ms=4, label=f"sleepers, {run.name}")
+        text.append(f"run {run.name}: {-np.min(ground):.3f} mm")
     for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
         mark_blocks(panel, runs[0])
         panel.set_ylabel(f"lowest displacement of\n{what}, {UP}")
         panel.grid(alpha=0.3)
     lower.set_xlabel("x along the track (m)")
-    legend_below(lower)
+    for panel in (upper, lower):
+        if panel.lines:
+            legend_below(panel)
     upper.set_title("Envelope relative to the beginning of the passage; largest downward "
-                    "displacement\nof the ground " + "; ".join(text), fontsize=10)
+                    "displacement of\nthe ground's surface, " + "; ".join(text), fontsize=10)
     return figure
 
 

@@ -26,7 +26,10 @@ def find(given: pathlib.Path | None = None) -> pathlib.Path:
 @functools.lru_cache(maxsize=32)  # a report of a running run is written many times
 def drawing(deck: str, given: pathlib.Path | None = None) -> str:
     """The model of a deck (its text), seen from the side, as SVG: `trackbed check --draw`."""
-    program = find(given)
+    try:
+        program = find(given)
+    except read.Unreadable as why:
+        raise read.Unreadable(f"the model was not drawn: {why}") from None
     with tempfile.TemporaryDirectory() as folder:
         picture, problem = pathlib.Path(folder) / "model.svg", ""
         (pathlib.Path(folder) / "deck.toml").write_text(deck, encoding="utf-8")

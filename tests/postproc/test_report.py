@@ -138,6 +138,17 @@ def test_a_report_without_the_program_says_so(tmp_path):
     assert ran.returncode == 2 and "is not a program" in ran.stderr
 
 
+def test_a_folder_far_from_any_program_has_a_report(tmp_path, monkeypatch):
+    """A copy of a run, and of the package, on a computer without the program."""
+    monkeypatch.setattr(trackbed_program, "__file__", str(tmp_path / "a/b/c/program.py"))
+    monkeypatch.setenv("PATH", "")
+    path = tmp_path / "report.html"
+    assert conftest.call("report", made(tmp_path / "one"), "-o", path).returncode == 0
+    said = [text for text in Page(path.read_text()).text["p"] if "program" in text]
+    assert said == ["one: the model was not drawn: trackbed was not found (build/release, PATH): "
+                    "give --program"]
+
+
 def test_of_several_beds_the_first_is_beside_each_other(tmp_path):
     paths = [tmp_path / name for name in "abc"]
     parts = list(kinds.parts_of(paths, ["bed", "train", "laboratory"]))
