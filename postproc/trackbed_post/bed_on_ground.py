@@ -127,8 +127,9 @@ def stress(runs):
     return figure
 
 
-def peak_text(peak):
-    return "no peak that stands out" if peak is None else f"peak at {peak:.2f} Hz"
+def peak_text(peak, reach):
+    return f"no peak that stands out within {reach:.2g} Hz" if peak is None \
+        else f"peak at {peak:.2f} Hz"
 
 
 SPECTRA = {"acceleration": ("m/s2", 1), "displacement": ("mm", 1e3), "seat_force": ("kN", 1e-3)}
@@ -170,7 +171,8 @@ def table_of_peaks(runs):
         for name in ("acceleration", "seat_force"):
             found = peaks_of(*spectrum_of(run, name), marks)
             lines += [f"  {name.replace('_', ' '):<16}{f'{mark} = {target:.2f} Hz':<24}"
-                      f"{peak_text(found[mark])}" for mark, target in marks.items()]
+                      f"{peak_text(found[mark], frequencies.reach(marks, mark))}"
+                      for mark, target in marks.items()]
     return "\n".join(lines) + "\n" if lines else ""
 
 

@@ -7,7 +7,6 @@ runs differ by the wedge. Contact forces need field files within the passage
 (`output.fields_interval`). Definition of the numbers: docs/postproc.md.
 """
 import dataclasses
-import textwrap
 
 import numpy as np
 
@@ -291,13 +290,13 @@ def draw_into(results, folder):
     warnings = [f"Warning: {train.name}: {one}." for train in trains
                 for one in (*bed_warnings.of(train.run), *passage_warnings.of_bed(train.run))]
     if warnings:
-        sentence = " ".join([sentence, *warnings])
+        sentence = "\n".join([sentence, *warnings])
     folder.picture("transition", transition_figures.compare(trains, changes, sentence))
     folder.picture("model", transition_figures.draw_model(trains[0], results[0]),
                    write.origin_of(results[:1]))
     for name, text in curves(trains).items():
         folder.file(name, text)
-    below = textwrap.fill(sentence, transition_figures.WRAP)
+    below = transition_figures.wrapped(sentence)
     folder.table("transition.txt", f"{table(trains, changes)}\n{below}\n")
 
 

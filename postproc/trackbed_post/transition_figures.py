@@ -58,6 +58,11 @@ def note_of(trains):
     return "\n(in the first run)" if differ else ""
 
 
+def wrapped(text):
+    """Paragraphs in lines of WRAP characters."""
+    return "\n".join(textwrap.fill(line, WRAP) for line in text.splitlines())
+
+
 def compare(trains, changes, sentence):
     """Three panels along the track, all designs in each."""
     stretches = ground_blocks.stretches(trains[0].run)
@@ -88,7 +93,7 @@ def compare(trains, changes, sentence):
         panel.grid(alpha=0.3)
         panels.legend_above(panel)
     shades.name(level, stretches, note_of(trains))
-    text = textwrap.fill(sentence, WRAP)
+    text = wrapped(sentence)
     below = 0.18 * (text.count("\n") + 1)  # inches
     figure.set_figheight(10 + below)
     figure.text(0.02, 0.03, text, fontsize=10, va="bottom")

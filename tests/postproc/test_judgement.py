@@ -87,7 +87,7 @@ def test_a_bed_that_is_warned_of_has_no_verdict_in_the_table(runs, tmp_path):
     made = write.Folder(tmp_path)
     bed_on_ground.draw_all([hanging(runs[0]), runs[1]], made)
     text = made.tables[0]
-    why = "no verdict, since in the run wedge 1 of 15 sleepers hang"
+    why = "no verdict, since 1 of 15 sleepers hang (run wedge)"
     assert text.count(why) == 4 and "clear effect" not in text
     assert "expected of a wedge" not in text and "comparable" not in text
     assert "change of the stress jump (-71% of" in text and "edge: -77%: no verdict" in text
@@ -97,7 +97,7 @@ def test_a_bed_that_is_warned_of_has_no_verdict_in_the_table(runs, tmp_path):
 def test_a_bed_that_is_warned_of_has_no_verdict_on_the_rail():
     pair = transition.named([test_transition.train(7.8),
                              test_transition.train(5.4, wedge_present=False)])
-    why = "in the run with wedge 1 of 15 sleepers hang"
+    why = "1 of 15 sleepers hang (run with wedge)"
     text = verdicts.verdict(pair, transition.changes_of(pair), why)
     assert text.startswith(f"No verdict, since {why}: such a bed can change")
     assert "is reached 2.7 m behind the structure instead of 0.54 m. The steepest" in text

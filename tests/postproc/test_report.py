@@ -144,8 +144,8 @@ def test_a_folder_far_from_any_program_has_a_report(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", "")
     path = tmp_path / "report.html"
     assert conftest.call("report", made(tmp_path / "one"), "-o", path).returncode == 0
-    said = [text for text in Page(path.read_text()).text["p"] if "program" in text]
-    assert said == ["one: the model was not drawn: trackbed was not found (build/release, PATH): "
+    stated = [text for text in Page(path.read_text()).text["p"] if "program" in text]
+    assert stated == ["one: the model was not drawn: trackbed was not found (build/release, PATH): "
                     "give --program"]
 
 
