@@ -4,31 +4,40 @@ sentences on the level of the rail and on wheel forces, or why there is no verdi
 Of `trains` and `changes`, transition.Train and transition.Change of each run. Definition of the
 numbers: docs/postproc.md.
 """
+from __future__ import annotations
+
+import collections.abc
+import typing
+
 import numpy as np
 
-from trackbed_post import ground_blocks, ground_transition, measures
+from trackbed_post import ground_blocks, ground_transition, measures, read
 from trackbed_post.ground_transition import REACHED
 from trackbed_post.judgement import CLEAR, Difference, why_no_pair
 
+if typing.TYPE_CHECKING:
+    from trackbed_post.transition import Change, Train
+
+Differences = dict[str, Difference]  # by names of fields, or of rows
 NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two designs may differ
 
 
-def differences(trains, changes):
+def differences(trains: list[Train], changes: list[Change]) -> Differences:
     """Field of Change -> Difference of the first run from the second."""
     now, other = changes
     steps = max(now.scatter, other.scatter)
     ripple = max(change.force_plain - train.mean_force() for train, change in zip(trains, changes))
 
-    def of(field, *rest):
+    def of(field: str, *rest: typing.Any) -> Difference:
         return Difference(getattr(now, field), getattr(other, field), *rest)
     return {"width": of("width", measures.spacing(trains[0].run), "m", 1, 1, "one sleeper spacing"),
             "steepest": of("steepest", steps, "mm/m", 1e3, -1),
             "force": of("force", ripple, "kN", 1e-3, -1)}
 
 
-def different_key(first, second):
+def different_key(first: read.Results, second: read.Results) -> str:
     """The first parameter, besides those of the wedge, in which two decks differ; or nothing."""
-    def flat(deck, path=""):
+    def flat(deck: read.Deck, path: str = "") -> collections.abc.Iterator[tuple[str, object]]:
         for key, value in deck.items():
             if isinstance(value, dict):
                 yield from flat(value, f"{path}{key}.")
@@ -43,7 +52,7 @@ def different_key(first, second):
     return differing[0] if differing else ""
 
 
-def why_no_verdict(trains, changes):
+def why_no_verdict(trains: list[Train], changes: list[Change] | None) -> str:
     if len(trains) < 2:
         return "give a second run, without the wedge"
     runs = [train.run for train in trains]
@@ -67,10 +76,10 @@ def why_no_verdict(trains, changes):
     return ""
 
 
-def verdict(trains, changes, unsound=""):
+def verdict(trains: list[Train], changes: list[Change] | None, unsound: str = "") -> str:
     """Sentences on the effect of the wedge, or why there is none. `unsound`: why these beds have no
     verdict (bed_warnings.py); the numbers are stated all the same."""
-    if why := why_no_verdict(trains, changes):
+    if (why := why_no_verdict(trains, changes)) or changes is None:
         return f"No verdict: {why}."
     now, other = changes
     judged = {field: "" if unsound else f": {found.words(True)}"
@@ -93,18 +102,18 @@ def verdict(trains, changes, unsound=""):
     return f"{numbers} {cause_of_forces(trains, changes)} {packing}"
 
 
-def place(x, behind):
+def place(x: float, behind: float) -> str:
     return f"at x = {x:.2f} m, {behind:.2f} m behind the structure"
 
 
-def cause_of_forces(trains, changes):
+def cause_of_forces(trains: list[Train], changes: list[Change]) -> str:
     """A sentence: whether wheel forces in the transition are clearly larger than elsewhere."""
     larger = [train.name for train, change in zip(trains, changes)
               if change.force > change.force_plain and Difference(
                   change.force, change.force_plain, change.force_plain - train.mean_force(),
                   "kN").clear]
 
-    def both(field):
+    def both(field: str) -> str:
         return " and ".join(f"{1e-3 * getattr(change, field):.1f}" for change in changes)
     elsewhere = (f"forces on plain track, up to {both('force_plain')} kN; on the structure they "
                  f"reach {both('force_structure')} kN")
@@ -118,7 +127,7 @@ SAME = (("width", ground_transition.WIDTH, "distance at which the change is reac
         ("steepest", ground_transition.STEEPEST, "steepest change"))  # of rail, of ground, words
 
 
-def beside_ground(rail, ground):
+def beside_ground(rail: Differences, ground: Differences) -> str:
     """A sentence where the ground's surface, which table.txt judges, changes the other way than the
     rail and one of both changes clearly; otherwise empty. {name: Difference} of both."""
     found = [f"the {words} by {ground[below].change:+.0%}, that of the rail by "
@@ -132,21 +141,20 @@ def beside_ground(rail, ground):
             "rail.")
 
 
-def of_ground(trains):
-    """{name: Difference} at the ground's surface; empty where it cannot be measured."""
-    runs = [train.run for train in trains]
+def of_ground(runs: list[read.Results]) -> Differences:
+    """Of two runs, at the ground's surface; empty where it cannot be measured."""
     wedge = max(ground_blocks.wedge_length(run) for run in runs)
-    found = [ground_transition.transition(run, wedge) for run in runs]
-    if len(found) < 2 or None in found:
+    first, second = (ground_transition.transition(run, wedge) for run in runs)
+    if first is None or second is None:
         return {}
-    return ground_transition.differences(*found, measures.spacing(runs[0]))
+    return ground_transition.differences(first, second, measures.spacing(runs[0]))
 
 
-def sentences(trains, changes, unsound):
+def sentences(trains: list[Train], changes: list[Change] | None, unsound: str) -> str:
     """The verdict, and how it differs from that on the ground."""
     found = verdict(trains, changes, unsound)
-    if unsound or why_no_verdict(trains, changes):
+    if unsound or changes is None or why_no_verdict(trains, changes):
         return found
-    ground = of_ground(trains)
-    return " ".join(filter(None, [found, ground and beside_ground(differences(trains, changes),
-                                                                  ground)]))
+    ground = of_ground([train.run for train in trains])
+    other = beside_ground(differences(trains, changes), ground) if ground else ""
+    return f"{found} {other}".strip()

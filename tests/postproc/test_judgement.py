@@ -134,6 +134,13 @@ def test_rail_and_ground_that_change_in_opposite_ways_are_stated(rail, scatter, 
                            f"{rail / 1e-3 - 1:+.0%}") in text
 
 
+def test_the_ground_of_two_runs_is_that_of_the_table(runs):
+    found = verdicts.of_ground(runs)
+    assert found[ground_transition.STEEPEST].change < -0.5
+    bare = [dataclasses.replace(run, ground_envelope={}) for run in runs]
+    assert verdicts.of_ground(bare) == {}
+
+
 def test_the_table_of_a_run_with_a_train_names_what_it_judges(runs):
     stages = [dict(stage, train=stage["kind"] == "passage") for stage in runs[0].deck["stage"]]
     below = [dataclasses.replace(run, deck={**run.deck, "stage": stages}) for run in runs]
