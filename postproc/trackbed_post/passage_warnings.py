@@ -12,7 +12,7 @@ PULLS = 0.1  # of the load of a seat below a wheel
 
 
 def of_bed(run: read.Results) -> list[str]:
-    """Of a train over a bed, sentences without the name of the run."""
+    """Of the last train over a bed, sentences without the name of the run."""
     if not (run.has_passage() and ground_blocks.carried_by_springs(run) and len(run.sleepers_x)):
         return []
     return [*_of_wheels_over_bed(run), *_of_pads_on_bed(run)]
@@ -21,7 +21,7 @@ def of_bed(run: read.Results) -> list[str]:
 def of_track(every: read.Quantities, deck: read.Deck,
              summary: dict[str, typing.Any]) -> list[str]:
     """Of a track without stones: datasets, deck and summary.json (empty before the run's end)."""
-    if "history/wheel/force" not in every:
+    if "history/wheel/force" not in every or not every["history/time"].values.size:
         return []
     return [*_of_wheels_on_track(every, deck, summary), *_of_pads_of_track(every, deck)]
 
@@ -42,6 +42,9 @@ def _of_wheels_over_bed(run: read.Results) -> list[str]:
         return []
     rows = run.passage()
     x, force = (run.wheel[name].values[rows] for name in ("x", "force"))
+    if not (trains := axles.rows_of_trains(x)):
+        return []
+    x, force = x[trains[-1]], force[trains[-1]]
     there = (x >= run.sleepers_x[0]) & (x <= run.sleepers_x[-1])
     share = axles.time_off(there, force)
     if not share:

@@ -43,6 +43,20 @@ def test_a_wheel_that_is_off_the_rail_in_few_rows_is_stated(runs, tmp_path):
     assert folder.tables[0].count(f"warning: wedge: {one}") == 1
 
 
+def test_only_the_last_train_counts_and_a_run_may_have_no_row_yet(runs, tmp_path):
+    run = below_train(runs[0])
+    x, force = run.wheel["x"].values, run.wheel["force"].values
+    first = np.arange(len(x)) < len(x) // 2
+    x[~first] = x[first][:np.count_nonzero(~first)]  # the second one as the first one
+    force[first] = 0
+    assert passage_warnings.of_bed(run) == []
+    force[~first] = 0
+    assert len(passage_warnings.of_bed(run)) == 1
+    every = {f"history/{name}": read.Quantity(np.empty(0), "", "") for name in (
+        "time", "wheel/x", "wheel/force")}
+    assert passage_warnings.of_track(every, {"track": {"length": 20.0}}, {}) == []
+
+
 def pulled(run, least):
     """Loads of seats up to 20 kN, of one `least`, N, down; up positive as in the file."""
     load = np.repeat(20e3 * np.sin(np.pi * np.clip(run.time, 0, 1))[:, None],
