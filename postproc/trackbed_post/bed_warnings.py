@@ -32,7 +32,7 @@ def of(run: read.Results) -> list[str]:
 def why_no_verdict(named: collections.abc.Iterable[tuple[str, read.Results]]) -> str:
     """The causes in runs with their names, for a sentence; empty if there are none."""
     found = [(name, [one.cause for one in warnings_of(run)]) for name, run in named]
-    return "; ".join(f"{' and '.join(causes)} (run {name})" for name, causes in found if causes)
+    return "; ".join(f"{', '.join(causes)} (run {name})" for name, causes in found if causes)
 
 
 def _of_hanging(run: read.Results) -> list[BedWarning]:

@@ -49,12 +49,16 @@ def _of_wheels_over_bed(run: read.Results) -> list[str]:
     share = axles.time_off(there, force)
     if not share:
         return []
-    return [f"a wheel is off the rail in {100 * share:.2g} % of the rows of the histories with "
+    return [f"a wheel is off the rail in {_percent(share)} % of the rows of the histories with "
             f"a wheel over the bed, {_stretch(x[there & (force == 0)])}: {MEANT}"]
 
 
 MEANT = ("wheel forces there are those of impacts; if no dip, joint or flat is meant to lift "
          "wheels, check irregularity, speed and passage.step")
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f}" if share >= 0.1 else f"{100 * share:.2g}"
 
 
 def _stretch(x: np.ndarray) -> str:
@@ -70,7 +74,7 @@ def _of_wheels_on_track(every: read.Quantities, deck: read.Deck,
     if not share:
         return []
     where = _stretch(x[off]) if off.any() else "between the rows of the histories"
-    return [f"wheels are off the rail in {100 * share:.2g} % of their time on the track (sum "
+    return [f"wheels are off the rail in {_percent(share)} % of their time on the track (sum "
             f"over all wheels, run-ins included), {where}: {MEANT}"]
 
 

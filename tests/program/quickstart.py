@@ -64,7 +64,7 @@ def main():
         raise SystemExit(f"the deck has the stages {stages}")
     program.done(1, "run", *deck, *NO_WEDGE, f"start={folder / 'wedge/stage_bed_in.h5'}", "-o",
                  folder / "no_wedge")
-    both = figures(source, folder, "wedge", "no_wedge", film=True)
+    both = " ".join(figures(source, folder, "wedge", "no_wedge", film=True).split())
     # Such a bed settles under the trains: the levels may allow no verdict, but the decks do.
     if "With the wedge, " not in both and " differ by " not in both:
         raise SystemExit(f"no verdict on the wedge: {both}")
