@@ -145,7 +145,7 @@ def _of_pads(x: np.ndarray, least: np.ndarray, most: np.ndarray, remedy: str) ->
         return []
     k = int(np.argmin(least))
     return [f"rail pads are in tension at {np.count_nonzero(pulls)} of {len(x)} seats, most at x = "
-            f"{x[k]:.2f} m by {-1e-3 * least[k]:.1f} kN, {-least[k] / usual:.0%} of the load of a "
+            f"{x[k]:.2f} m by {-1e-3 * least[k]:.1f} kN, {-least[k] / usual:.1%} of the load of a "
             f"seat below a wheel, {1e-3 * usual:.1f} kN (limit {PULLS:.0%}): pads of the model "
             "transmit tension, fastenings only up to their clamping force, so that rail and "
             f"sleepers would move apart; {remedy}"]

@@ -66,7 +66,7 @@ def pulled(run, least):
 
 
 @pytest.mark.parametrize("least, words", [
-    (-1.9e3, ""), (-3.0e3, "at 1 of 9 seats, most at x = 4.50 m by 3.0 kN, 15% of the load of a "
+    (-1.9e3, ""), (-3.0e3, "at 1 of 9 seats, most at x = 4.50 m by 3.0 kN, 15.0% of the load of a "
                            "seat below a wheel, 20.0 kN (limit 10%)")])
 def test_pads_in_tension_are_warned_of_once(runs, least, words):
     run = below_train(runs[0], seat_force=pulled(runs[0], least))
@@ -136,7 +136,7 @@ def test_pads_of_a_track_are_in_the_report(tmp_path):
     assert conftest.call("report", folder, "-o", page).returncode == 0
     found = [text for text in Page(page.read_text(encoding="utf-8")).text["p"] if "tension" in text]
     assert len(found) == 1 and "pulled: rail pads are in tension at 1 of 17 seats, most at x = " \
-        "9.00 m by 4.0 kN, 20% of the load" in found[0] and "pad.uplift = true" in found[0]
+        "9.00 m by 4.0 kN, 20.0% of the load" in found[0] and "pad.uplift = true" in found[0]
     assert passage_warnings.of_folder(track(tmp_path / "open", -4e3, uplift="true")) == []
     one, = passage_warnings.of_folder(track(tmp_path / "ground", -4e3, model="track_on_ground"))
     assert "pad.uplift" not in one
