@@ -126,8 +126,9 @@ def check_resume(program, deck, folder):
                 raise SystemExit(f"{name} in xarray differs from {place}")
 
 
-# Kinds of models whose results are written in different ways.
-COMPRESSED = ("tests/restart/tiny_two_rails.toml", "tests/knobs/on_ground.toml")
+# Kinds of models whose results are written in different ways, and by how much the size falls: rows
+# of a ground that is held are zeros, vibrations are nearly random numbers.
+COMPRESSED = {"tests/restart/tiny_two_rails.toml": 0.4, "inputs/track/two_rails.toml": 0.8}
 
 
 def contents(path):
@@ -146,7 +147,7 @@ def contents(path):
     return found
 
 
-def check_compression(program, deck, compressed, folder):
+def check_compression(program, deck, compressed, folder, most):
     """The same deck without compression has the same results in a larger file."""
     program.done(1, "run", deck, "output.compress=false", "-o", folder)
     plain = folder / "results.h5"
@@ -162,11 +163,12 @@ def check_compression(program, deck, compressed, folder):
     if unlike:
         raise SystemExit(f"{deck}: compression changes the arrays {unlike}")
     with h5py.File(compressed, "r") as file:
-        history = file["history/energy/ground_elastic"]
-        if not (history.shuffle and history.compression == "gzip"):
-            raise SystemExit(f"{deck}: the histories are not compressed")
+        largest = max((file[name] for name in one if isinstance(file[name], h5py.Dataset)),
+                      key=lambda item: item.size)
+        if not (largest.shuffle and largest.compression == "gzip"):
+            raise SystemExit(f"{deck}: {largest.name} is not compressed")
     small, large = compressed.stat().st_size, plain.stat().st_size
-    if small > 0.7 * large:
+    if small > most * large:
         raise SystemExit(f"{deck}: {small} bytes with compression, {large} without")
 
 
@@ -178,10 +180,10 @@ def main():
         place = folder / pathlib.Path(deck).stem
         program.done(1, "run", source / deck, *changes, "-o", place)
         check(place / "results.h5", dimensions)
-    for deck in COMPRESSED:
+    for deck, most in COMPRESSED.items():
         name = pathlib.Path(deck).stem
         check_compression(program, source / deck, folder / name / "results.h5",
-                          folder / f"{name}_plain")
+                          folder / f"{name}_plain", most)
     single = read(folder / "track/results.h5")["history/sleeper/x"]
     with h5py.File(folder / "track/results.h5", "r") as file:
         if not np.array_equal(single.values, file["sleepers/x"][()]):
