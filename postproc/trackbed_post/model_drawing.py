@@ -30,9 +30,13 @@ class Chains:
 
 
 def contacts(file):
-    """The Chains of a field file of contacts."""
+    """The Chains of a field file of contacts, between the stones' centres of mass; of files without
+    them, between the pieces in contact."""
     found = read.datasets(file)
-    return Chains(found["VTKHDF/Points"].values.reshape(-1, 2, 3)[..., [0, 2]],
+    ends = found["VTKHDF/Points"].values
+    if "VTKHDF/PointData/to_centre" in found:
+        ends = ends + found["VTKHDF/PointData/to_centre"].values
+    return Chains(ends.reshape(-1, 2, 3)[..., [0, 2]],
                   found["VTKHDF/CellData/force_size"].values.ravel())
 
 

@@ -99,7 +99,7 @@ std::size_t Grid::cell_count() const {
 
 // Collective. Points at rank borders are not merged: each piece has its own.
 void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid,
-                  const Origin& origin) {
+                  const Origin& origin, std::optional<double> time) {
   // The rows of a piece follow from the counts of the pieces before it: an incomplete cell would
   // shift all that follow.
   require(!grid.kinds.empty() || grid.cells.size() % nodes_per_cell(grid.kind) == 0,
@@ -119,6 +119,10 @@ void write_fields(const par::Comm& comm, const std::string& path, const Grid& gr
   write_cells(file, grid, cells);
   write_data(file, "PointData", grid.point_data, grid.points.size());
   write_data(file, "CellData", grid.cell_data, cells);
+  // The name is VTK's. One row: that of the root.
+  if (time)
+    file.write<double>(at("FieldData/TimeValue"), std::span(&*time, comm.root() ? 1 : 0), 1,
+                       {"s", "time of the run"});
   file.close(Sync::later);  // no run depends on them, and waiting takes as long as writing
 }
 

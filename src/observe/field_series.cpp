@@ -54,7 +54,7 @@ FieldSeries::FieldSeries(const par::Comm& comm, const FieldFiles& files)
 void FieldSeries::write(std::string_view part, const std::function<io::Grid()>& grid) {
   if (std::find(files_.parts.begin(), files_.parts.end(), part) == files_.parts.end()) return;
   const std::string name = fmt::format("{}_{}.hdf", files_.name, part);
-  io::write_fields(comm_, files_.folder + "/" + name, grid(), files_.origin);
+  io::write_fields(comm_, files_.folder + "/" + name, grid(), files_.origin, files_.time);
   const std::string series = fmt::format("{}/{}.hdf.series", files_.folder, part);
   comm_.agree(comm_.root() ? enter_in_series(series, name, files_.time) : "");
 }

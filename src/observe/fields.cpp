@@ -58,28 +58,38 @@ io::Grid stone_shapes(const dem::Particles& particles, double gravity) {
 }
 
 // One line per contact between the centres of the two pieces, which are not those of mass; the
-// force is a vector on it, and its magnitude can be the width of a tube.
+// force is a vector on it, and its magnitude can be the width of a tube. Warp By Vector of
+// `to_centre` moves the ends to the centres of mass of the stones.
 io::Grid contact_lines(const dem::Particles& particles) {
   io::Grid grid;
   grid.kind = io::CellKind::line;
   io::FieldData force{"force", {"N", "of the springs, on the first of the two pieces"}, 3, {}},
       size{"force_size", {"N", "magnitude of the force"}, 1, {}},
       overlap{"overlap", {"m", "of the two pieces"}, 1, {}},
-      first{"first_stone", {"-", "number of the first of the two stones"}, 1, {}, true},
-      second{
-          "second_stone", {"-", "number of the second stone; below 0: of a surface"}, 1, {}, true};
+      stone{"stone",
+            {"-", "number of the stone at this end; a surface: -1 - its number"},
+            1,
+            {},
+            true},
+      to_centre{"to_centre",
+                {"m", "from this end to the centre of mass of its stone; surface: 0"},
+                3,
+                {}};
   particles.contacts([&](const dem::ContactView& contact) {
-    const auto from = static_cast<std::int64_t>(grid.points.size());
+    const auto first = static_cast<std::int64_t>(grid.points.size());
     grid.points.insert(grid.points.end(), {contact.from, contact.to});
-    grid.cells.insert(grid.cells.end(), {from, from + 1});
-    first.values.push_back(static_cast<double>(contact.first));
-    second.values.push_back(static_cast<double>(contact.second));
+    grid.cells.insert(grid.cells.end(), {first, first + 1});
     for (int k = 0; k < 3; ++k) force.values.push_back(contact.force[k]);
+    stone.values.push_back(static_cast<double>(contact.first));
+    stone.values.push_back(static_cast<double>(contact.second));
+    for (const Vec3& way :
+         {Vec3(contact.first_centre - contact.from), Vec3(contact.second_centre - contact.to)})
+      for (int k = 0; k < 3; ++k) to_centre.values.push_back(way[k]);
     size.values.push_back(contact.force.norm());
     overlap.values.push_back(contact.overlap);
   });
-  grid.cell_data = {std::move(force), std::move(size), std::move(overlap), std::move(first),
-                    std::move(second)};
+  grid.point_data = {std::move(stone), std::move(to_centre)};
+  grid.cell_data = {std::move(force), std::move(size), std::move(overlap)};
   return grid;
 }
 

@@ -67,6 +67,7 @@ def check_space(program, source, folder):
         if not 1 - SHORT_OF < volume / whole < 1:
             raise SystemExit(f"stone {number}: {volume} of {whole} m^3 within its faces")
     check_acceleration(source / "inputs/verify/stack.toml", saved, found)
+    check_contacts(made, saved)
     surfaces, = (made / "fields").glob("*_surfaces.hdf")
     _, nodes, kinds, found = cells_of(surfaces)
     if set(kinds) != {5} or not set(found["CellData/part"]) <= {0, 1}:
@@ -88,6 +89,27 @@ def check_acceleration(deck, saved, found):
     if not np.abs(force).max() > 0 or not np.allclose(
             found["CellData/acceleration"].reshape(-1, 3), wanted, rtol=0, atol=4 * 9.81 * 6e-8):
         raise SystemExit(f"accelerations {found['CellData/acceleration']}, wanted {wanted} m/s2")
+
+
+def check_contacts(made, saved):
+    """`to_centre` leads from each end of a contact to its stone, and files state their time."""
+    file, = (made / "fields").glob("*_contacts.hdf")
+    points, nodes, _, found = cells_of(file)
+    numbers = found["PointData/stone"].ravel()
+    reached = points + found["PointData/to_centre"].reshape(-1, 3)
+    centres = dict(zip(saved["particles/id"].ravel(), saved["particles/position"]))
+    ends = np.flatnonzero(numbers >= 0)
+    wanted = np.array([centres[number] for number in numbers[ends]])
+    if len(nodes) < 3 or not np.allclose(reached[ends], wanted, rtol=0, atol=1e-6):
+        raise SystemExit(f"contacts lead to {reached[ends]}, not to the stones at {wanted} m")
+    on_surface = numbers < 0
+    if not on_surface.any() or found["PointData/to_centre"].reshape(-1, 3)[on_surface].any():
+        raise SystemExit(f"ends on surfaces must stay where they are: {found}")
+    times = found["FieldData/TimeValue"]
+    with h5py.File(made / "results.h5", "r") as results:
+        last = results["history/time"][-1]
+    if times.shape != (1,) or not 0 <= times[0] - last < 1e-3:
+        raise SystemExit(f"{file} is of {times} s, the last row of {last} s")
 
 
 def check_balls(program, source, folder):

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -50,8 +51,9 @@ struct Grid {
 // Texts that state where a file is from, by their names: attributes of the file.
 using Origin = std::vector<std::pair<std::string, std::string>>;
 
-// Writes `path` (by convention *.hdf), positions and data as 32-bit floats. Collective.
+// Writes `path` (by convention *.hdf), positions and data as 32-bit floats, and the time, s, of a
+// run. Collective.
 void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid,
-                  const Origin& origin = {});
+                  const Origin& origin = {}, std::optional<double> time = {});
 
 }  // namespace trackbed::io
