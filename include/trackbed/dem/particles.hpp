@@ -278,7 +278,10 @@ class Particles {
   void contacts(
       const std::function<void(const ContactView&)>& visit) const;  // each once over ranks
   Totals totals() const;                                            // collective
-  Energies energies() const;  // those of `totals`, in half the time; collective
+  Energies energies() const;       // those of `totals`, in half the time; collective
+  // Whether forces of the contacts, as computed last, alternate from sub-step to sub-step of dt (s)
+  // and grow: above 1, as long as the contacts stick. Of all stones together. Collective.
+  double alternation(double dt) const;
   // Of all particles, in contact: each pair counts twice, each surface once. Collective.
   std::int64_t neighbours() const;
   // A node of a surface has had a load of this many N, summed over a window: the range of the sums
@@ -301,6 +304,7 @@ class Particles {
  private:
   struct Impl;
   struct ContactLoop;
+  class AlternatingMotion;
   std::unique_ptr<Impl> impl_;
 };
 

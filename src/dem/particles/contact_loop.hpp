@@ -13,10 +13,11 @@ inline Vec3 elastic_force(const Law& law, double delta, double radius, const Vec
   return -c.k_n * delta * n - c.k_s * xi.vec3();
 }
 
-// Contacts of this rank: `visit(view, elastic energy in J, first, second)` with the numbers of both
-// particles, `no_particle` for a surface. Local. A contact across ranks is known on both; the owner
-// of the lower id counts it. Order: balls, stones, surfaces, each in the order of the lists, which
-// is the same for the contacts of a particle on any rank.
+// Contacts of this rank: `visit(view, elastic energy in J, first, second, law, radius)` with the
+// numbers of both particles, `no_particle` for a surface, and the radius that the law takes, m.
+// Local. A contact across ranks is known on both; the owner of the lower id counts it. Order:
+// balls, stones, surfaces, each in the order of the lists, which is the same for the contacts of a
+// particle on any rank.
 struct Particles::ContactLoop {
   static constexpr std::size_t no_particle = static_cast<std::size_t>(-1);
   const State& state;
@@ -94,7 +95,7 @@ struct Particles::ContactLoop {
                       o.wrench.N.normalized(), centre(o.piece) + o.wrench.x},
           stored_energy(law, o.wrench.M, radius, xi) + 0.5 * c.k_s * o.wrench.spread * turn * turn +
               rolling(stones, o.entry, o.wrench.M, radius),
-          body(o.piece), body(entry.piece));
+          body(o.piece), body(entry.piece), law, radius);
   }
 
   // From the present positions: for balls the overlap is recomputed at low cost.
@@ -112,8 +113,8 @@ struct Particles::ContactLoop {
     visit(ContactView{state.id[bi], state.id[bj], xi.vec3(), to, force, delta, state.x[bi].vec3(),
                       state.x[bj].vec3() + pairs.shifts[entry.shift].vec3(), d.normalized(),
                       xi.vec3() + (xi.w - delta / 2) * d.normalized()},
-          stored_energy(law, delta, radius, pairs.xi[e]) + rolling(pairs, e, delta, radius), bi,
-          bj);
+          stored_energy(law, delta, radius, pairs.xi[e]) + rolling(pairs, e, delta, radius), bi, bj,
+          law, radius);
   }
 
   double rolling(const PairList& list, std::uint32_t e, double delta, double radius) const {
@@ -134,7 +135,7 @@ struct Particles::ContactLoop {
                       p.overlap, centre(a.piece), p.point, p.N.normalized(), p.point},
           stored_energy(law, p.overlap, p.radius, p.xi) + 0.5 * c.k_s * p.spread * p.turn * p.turn +
               rolling_energy(law, p.overlap, p.radius, p.roll),
-          body(a.piece), no_particle);
+          body(a.piece), no_particle, law, p.radius);
   }
 };
 

@@ -303,11 +303,12 @@ std::vector<std::size_t> Particles::Impl::suspects(const ContactLoop& contacts) 
     moments[b] -= force * arm.transpose();
     forces[b] = std::max(forces[b], std::abs(force.dot(normal)));
   };
-  contacts.run_known([&](const ContactView& c, double, std::size_t first, std::size_t second) {
-    add(first, c.point - c.first_centre, c.force, c.normal);
-    if (second != ContactLoop::no_particle)
-      add(second, c.point - c.second_centre, -c.force, c.normal);
-  });
+  contacts.run_known(
+      [&](const ContactView& c, double, std::size_t first, std::size_t second, auto...) {
+        add(first, c.point - c.first_centre, c.force, c.normal);
+        if (second != ContactLoop::no_particle)
+          add(second, c.point - c.second_centre, -c.force, c.normal);
+      });
   std::vector<std::size_t> found;
   for (std::size_t b = 0; b < state.own; ++b) {
     if (!(forces[b] > 0) || !may_split(b)) continue;
@@ -383,7 +384,7 @@ void Particles::Impl::find_overloads() {
                              back * Vec3(side * c.force), c.overlap / scale, energy});
   };
   contacts.run_known(
-      [&](const ContactView& c, double energy, std::size_t first, std::size_t second) {
+      [&](const ContactView& c, double energy, std::size_t first, std::size_t second, auto...) {
         take(first, c, c.first_centre, 1, energy);
         if (second != ContactLoop::no_particle) take(second, c, c.second_centre, -1, energy);
       });

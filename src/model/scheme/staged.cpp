@@ -297,6 +297,11 @@ void StagedScheme::judge(const StageRecord& record, const std::string& shortfall
     const std::string warning = warning_of_stiffening(world_, present(), model_.stages[next]);
     if (!warning.empty()) run_.warn(warning);
   }
+  if (model_.has_stones()) {
+    const double step = run_.course.steps.window / static_cast<double>(run_.course.steps.substeps);
+    if (const std::string warning = warning_of_step(world_, present(), step); !warning.empty())
+      run_.warn(warning);
+  }
   if (present().kind != StageKind::compact) return;
   const std::span<const Stage> done = std::span(model_.stages).first(run_.course.stage + 1);
   if (const std::string warning = warning_of_bed(world_, done); !warning.empty())

@@ -122,6 +122,19 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
   return warnings;
 }
 
+// At the end of a stage, for the contacts that there are then.
+std::string warning_of_step(const World& world, const Stage& stage, double step) {
+  const double ratio = world.particles.alternation(step);
+  if (ratio <= 1) return {};
+  const bool given = world.model.time.step > 0;
+  const double now = given ? world.model.time.step : world.model.dem.safety;
+  return fmt::format(
+      "stage {}: the sub-step of {:.4g} s is {:.3g} times as long as the contacts at its end "
+      "allow: "
+      "forces of some stones alternate from sub-step to sub-step; reduce {} to {:.2g} or less",
+      stage.name, step, ratio, given ? "time.step" : "dem.safety", now / ratio);
+}
+
 // The height to which the energy would lift the bed if nothing dissipated it.
 std::string warning_of_stiffening(const World& world, const Stage& stage, const Stage& next) {
   constexpr double noticeable = 1e-3;  // m, a fiftieth of a stone
