@@ -23,6 +23,8 @@ pkg_check_modules(PETSC REQUIRED IMPORTED_TARGET PETSc)
 set_property(TARGET PkgConfig::PETSC PROPERTY INTERFACE_COMPILE_OPTIONS "")
 # Debian's parallel HDF5 is known to pkg-config; elsewhere, or with HDF5_ROOT, CMake searches.
 add_library(trackbed_hdf5 INTERFACE)
+# Newer versions of HDF5 declare the functions of 1.10 with it.
+target_compile_definitions(trackbed_hdf5 INTERFACE H5_USE_110_API)
 if(NOT DEFINED HDF5_ROOT AND NOT DEFINED ENV{HDF5_ROOT})
   pkg_check_modules(DEBIAN_HDF5 QUIET IMPORTED_TARGET hdf5-openmpi)
 endif()

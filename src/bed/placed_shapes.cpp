@@ -4,6 +4,7 @@
 // files are scaled to their sieve size. A template is in its principal axes; the rotation back to
 // the axes of the description is kept, so that attitudes refer to the axes of the deck.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>

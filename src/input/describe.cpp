@@ -5,6 +5,7 @@
 // A list is described by one element, which the collector creates if the program's own list is
 // empty.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

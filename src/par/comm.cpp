@@ -45,11 +45,12 @@ std::vector<int> offsets_of(const std::vector<int>& counts) {
 }  // namespace
 
 // No thread support is requested: each rank is one thread.
-// Files go through Open MPI's ROMIO unless the environment selects otherwise. Its OMPIO (4.1) opens
-// a named semaphore per file name on the node: a run killed at that moment leaves it locked, and
-// the next run that opens a file of that name, in any folder, waits for ever.
+// Files go through Open MPI's ROMIO (romio321, in version 5 romio341) unless the environment
+// selects otherwise. Its OMPIO (4.1) opens a named semaphore per file name on the node: a run
+// killed at that moment leaves it locked, and the next run that opens a file of that name, in any
+// folder, waits for ever.
 Environment::Environment(int& argc, char**& argv) {
-  setenv("OMPI_MCA_io", "romio321", 0);
+  setenv("OMPI_MCA_io", "^ompio", 0);
   MPI_Init(&argc, &argv);
 }
 Environment::~Environment() { MPI_Finalize(); }

@@ -1,5 +1,6 @@
 // Parameters of materials and contact laws, each declared once, and rules between them.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 

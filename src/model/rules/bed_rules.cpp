@@ -3,6 +3,7 @@
 // An impossible outline is an error. An outline that is cut off by a wall gives a warning: a bed
 // between the walls of a bridge has no complete slope, but in most decks complete slopes are meant.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>

@@ -4,6 +4,7 @@
 // A deck that cannot be computed is an error; a parameter of a track alone that a bed does not use
 // gives a warning.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>

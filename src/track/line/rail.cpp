@@ -4,6 +4,7 @@
 #include "trackbed/track/rail.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/input/deck.hpp"

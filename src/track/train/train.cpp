@@ -7,6 +7,7 @@
 #include "trackbed/track/train.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
 // The library of vehicles and their parameters. Values are those of whole vehicles: values of a
 // source for one spring, one side or half a train are multiplied here.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
