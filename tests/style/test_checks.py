@@ -11,6 +11,7 @@ import glossary  # noqa: E402
 import layering  # noqa: E402
 import links  # noqa: E402
 import readme  # noqa: E402
+import recipe  # noqa: E402
 import spelling  # noqa: E402
 import typed  # noqa: E402
 import words  # noqa: E402
@@ -233,3 +234,21 @@ def test_numbers_of_the_readme_are_compared(tmp_path):
     assert len(readme.check(tmp_path)[0]) == 1
     (tmp_path / "README.md").write_text(text.replace("mean over the bed", "mean"))
     assert "no sentence" in readme.check(tmp_path)[0][0]
+
+
+@pytest.mark.parametrize("name, old, new, expected", [
+    (recipe.CMAKE[1], "find_package(fmt", "find_package(Boost", ["lacks boost", "fmt is not"]),
+    (recipe.CMAKE[1], "Eigen3 3.4", "Eigen3 3.5", ["eigen from 3.4, in CMake from 3.5"]),
+    (recipe.RECIPE, 'depends_on("metis@5:")', "", ["lacks metis", "metis is in only one"]),
+    (recipe.DEBIAN, "  gmp:", "  gmpxx:", ["gmp is in only one", "gmpxx is in only one"])])
+def test_recipe_finds(tmp_path, name, old, new, expected):
+    root = pathlib.Path(__file__).resolve().parents[2]
+    for copied in (*recipe.CMAKE, recipe.RECIPE, recipe.DEBIAN):
+        (tmp_path / copied).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / copied).write_text((root / copied).read_text())
+    assert recipe.check(tmp_path) == ([], 15)
+    text = (tmp_path / name).read_text()
+    assert old in text
+    (tmp_path / name).write_text(text.replace(old, new))
+    problems, _ = recipe.check(tmp_path)
+    assert all(any(part in problem for problem in problems) for part in expected), problems

@@ -1,28 +1,36 @@
-"""Recipe for Spack 1.0: packages/trackbed/package.py of a repository of recipes of your own."""
+"""Recipe for Spack 1.0 and later; docs/running.md states its commands."""
+import pathlib
+
+from spack_repo.builtin.build_systems.cmake import CMakePackage, generator
+
 from spack.package import *
-from spack_repo.builtin.build_systems.cmake import CMakePackage
 
 
 class Trackbed(CMakePackage):
     """Parallel simulation of ballasted railway track, from the train to the subgrade."""
 
+    # The repository of this recipe, unless dev_path names a folder.
+    git = pathlib.Path(__file__).parents[6].as_uri()
+
     license("GPL-3.0-or-later")
 
-    # From a folder with the source: spack develop --path FOLDER trackbed@main
     version("main", branch="main")
 
-    variant("native", default=False, description="Use every instruction of the building machine")
+    generator("ninja")
 
     depends_on("c", type="build")
     depends_on("cxx", type="build")
     depends_on("cmake@3.25:", type="build")
     depends_on("pkgconfig", type="build")
     depends_on("mpi")
-    depends_on("petsc@3.18: +mpi +hypre +metis +mumps ~complex ~int64")
+    # See Environment in src/par/comm.cpp.
+    depends_on("openmpi +romio", when="^[virtuals=mpi] openmpi")
+    # METIS: without it MUMPS, the direct solver, has only orders of unknowns with more fill.
+    depends_on("petsc@3.18: +mpi +hypre +metis +mumps +double ~complex ~int64")
     depends_on("hdf5@1.10: +mpi +hl")
-    depends_on("metis")
+    depends_on("metis@5:")
     depends_on("eigen@3.4:3")
-    depends_on("cgal@5.5:5 +header_only")
+    depends_on("cgal@5.5:6")
     depends_on("gmp")
     depends_on("mpfr")
     depends_on("fmt@9:")
@@ -35,6 +43,8 @@ class Trackbed(CMakePackage):
         return [
             self.define("BUILD_TESTING", False),
             self.define("CMAKE_UNITY_BUILD", True),
-            self.define_from_variant("TRACKBED_NATIVE", "native"),
+            # Spack's own compiler command adds -march for the target of the spec.
+            self.define("TRACKBED_NATIVE", False),
+            # Not the HDF5 of Debian that pkg-config knows.
             self.define("HDF5_ROOT", self.spec["hdf5"].prefix),
         ]
