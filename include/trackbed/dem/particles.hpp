@@ -278,7 +278,7 @@ class Particles {
   void contacts(
       const std::function<void(const ContactView&)>& visit) const;  // each once over ranks
   Totals totals() const;                                            // collective
-  Energies energies() const;       // those of `totals`, in half the time; collective
+  Energies energies() const;  // those of `totals`, in half the time; collective
   // Whether forces of the contacts, as computed last, alternate from sub-step to sub-step of dt (s)
   // and grow: above 1, as long as the contacts stick. Of all stones together. Collective.
   double alternation(double dt) const;
