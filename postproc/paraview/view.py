@@ -59,7 +59,10 @@ def options(words):
     parser.add_argument("--parts", help="draw these only, with commas between them; with contacts, "
                         "stones are transparent, without them coloured by their speed; default: "
                         "all, contacts only of plane models")
-    return parser.parse_args(words)
+    given = parser.parse_args(words)
+    if given.x and not given.x[0] < given.x[1]:
+        parser.error(f"--x {given.x[0]:g} {given.x[1]:g}: the second number must be the larger one")
+    return given
 
 
 # Numbers: which instant, which part of the model, from where it is seen.

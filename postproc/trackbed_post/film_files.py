@@ -27,9 +27,9 @@ def pace(times):
         return f"a picture every {FRAME_MS} ms, at uneven times"
     slower = FRAME_MS / 1e3 / step
     if abs(slower - 1) < EVEN:
-        return "real speed"
-    return f"{slower:.2g} times slower than real" if slower > 1 else \
-        f"{1 / slower:.2g} times faster than real"
+        return "as fast as in reality"
+    return f"{slower:.2g} times slower than in reality" if slower > 1 else \
+        f"{1 / slower:.2g} times faster than in reality"
 
 
 def require_name(path):

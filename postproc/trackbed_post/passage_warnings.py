@@ -74,8 +74,8 @@ def _of_wheels_on_track(every: read.Quantities, deck: read.Deck,
     if not share:
         return []
     where = _stretch(x[off]) if off.any() else "between the rows of the histories"
-    return [f"wheels are off the rail in {_percent(share)} % of their time on the track (sum "
-            f"over all wheels, run-ins included), {where}: {MEANT}"]
+    return [f"wheels are off the rail in {_percent(share)} % of their time on the track, {where}; "
+            f"the share is that of all wheels and includes the run-ins; {MEANT}"]
 
 
 def share_of_wheels(every: read.Quantities, deck: read.Deck,

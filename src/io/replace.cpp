@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 
 namespace trackbed::io {
 
@@ -50,6 +51,22 @@ void replace_file(const par::Comm& comm, const std::string& path,
     if (comm.root()) fs::remove(part, ignored);
     throw;
   }
+}
+
+// Errors of files that one rank opens alone begin with the rank, as that of the agreement does.
+void replace_file_on_root(const par::Comm& comm, const std::string& path,
+                          const std::function<void(const std::string& part)>& write) {
+  constexpr std::string_view own = "rank 0: ";
+  replace_file(comm, path, [&](const std::string& part) {
+    std::string problem;
+    if (comm.root()) try {
+        write(part);
+      } catch (const std::exception& error) {
+        problem = error.what();
+        if (problem.starts_with(own)) problem.erase(0, own.size());
+      }
+    comm.agree(problem);
+  });
 }
 
 }  // namespace trackbed::io

@@ -7,7 +7,6 @@
 #include "observe/column_writer.hpp"
 #include "observe/impl.hpp"
 #include "observe/layout.hpp"
-#include "trackbed/core/error.hpp"
 #include "trackbed/io/replace.hpp"
 #include "trackbed/track/vehicle_layout.hpp"
 
@@ -195,7 +194,7 @@ void PassageHistories::write(const par::Comm& comm, const std::string& path, con
   for (const std::size_t i : sleepers_)
     sleeper_x.insert(sleeper_x.end(), line_.sides(), line_.sleeper_x(i));
   for (const double x : recorded_.points) rail_x.insert(rail_x.end(), line_.sides(), x);
-  const auto write = [&](const std::string& part) {
+  io::replace_file_on_root(comm, path, [&](const std::string& part) {
     const par::Comm self = par::Comm::self();
     io::File file(self, part, io::Mode::create);
     if (compress) file.compress();
@@ -207,15 +206,6 @@ void PassageHistories::write(const par::Comm& comm, const std::string& path, con
     archive(a);
     set_axes(self, file);
     file.close();
-  };
-  io::replace_file(comm, path, [&](const std::string& part) {
-    std::string problem;
-    if (comm.root()) try {
-        write(part);
-      } catch (const RunError& error) {
-        problem = error.what();
-      }
-    comm.agree(problem);
   });
 }
 

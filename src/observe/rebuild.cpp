@@ -13,6 +13,7 @@
 #include "observe/impl.hpp"
 #include "observe/layout.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/io/replace.hpp"
 
 namespace trackbed::observe {
 
@@ -190,18 +191,16 @@ void Results::resume(const std::string& old_path, std::int64_t rows,
   impl.rows = rows;
 }
 
-// By one rank: see io::File::compress. The others wait. The twin, which a reader may still have
-// open, is removed and not overwritten.
+// By one rank: see io::File::compress. The twin, which a reader may still have open, is removed and
+// not overwritten.
 std::string Results::compress() {
   flush();
   Impl& impl = *impl_;
-  const std::string part = impl.twin_path();
+  std::error_code ignored;
+  if (impl.has_twin && impl.comm.root()) std::filesystem::remove(impl.twin_path(), ignored);
   impl.has_twin = false;
-  std::string problem;
-  if (impl.comm.root()) {
-    std::error_code error;
-    std::filesystem::remove(part, error);
-    try {
+  try {
+    io::replace_file_on_root(impl.comm, impl.path, [&](const std::string& part) {
       const par::Comm self = par::Comm::self();
       const io::File old(self, impl.path, io::Mode::read);
       io::File file(self, part, io::Mode::create);
@@ -210,13 +209,11 @@ std::string Results::compress() {
       copy_results(self, old, file, static_cast<std::size_t>(impl.rows), impl.recorded.stages);
       if (impl.rows > 0) name_stages(file, impl.recorded.stages);
       file.close();
-      std::filesystem::rename(part, impl.path);
-    } catch (const std::exception& failure) {
-      std::filesystem::remove(part, error);
-      problem = failure.what();
-    }
+    });
+  } catch (const RunError& failure) {  // the same on all ranks
+    return failure.what();
   }
-  return impl.comm.broadcast(problem);
+  return "";
 }
 
 }  // namespace trackbed::observe

@@ -24,8 +24,7 @@ struct OfSensor {
                                followed = 10, moved = 11, quantities = 14;
 };
 
-// From a place to a stone: to the nearest image in
-// periodic directions; without y in a plane.
+// From a place to a stone: to the nearest image in periodic directions; without y in a plane.
 Vec3 from_place(const dem::Domain& domain, const Vec3& place, const Vec3& stone) {
   Vec3 d = stone - place;
   for (int a = 0; a < 3; ++a) {
@@ -246,7 +245,8 @@ void Sensors::archive(io::Archive& a) {
     own("id", ids, {"-", "of the stones that the sensor follows"});
     sensor.stones.resize(ids.size());
     for (std::size_t i = 0; i < ids.size(); ++i) sensor.stones[i].id = static_cast<Id>(ids[i]);
-    own.rows("from", sensor.stones, {"m", "where they were when chosen"}, &Followed::from);
+    own.rows("from", sensor.stones,
+             {"m", "where they were when chosen; of a place at its last row"}, &Followed::from);
     own("moved", sensor.moved, {"m", "displacement at a place up to the last history row"});
   }
 }

@@ -54,7 +54,7 @@ def test_clock_of_a_film_is_that_of_its_files(tmp_path):
     seen = [time for time in TIMES if SPEED * (time - 2.5) - 2.5 < X[-1] + 3]
     assert len(stated) == len(seen) and len(seen) > 10
     for words, time in zip(stated, seen):
-        assert f"time {time:.3f} s" in words and "4 times slower than real" in words, words
+        assert f"time {time:.3f} s" in words and "4 times slower than in reality" in words, words
         assert "after the train began" not in words
 
 
@@ -78,10 +78,10 @@ def test_width_of_a_contact_force_is_explained(tmp_path):
 
 @pytest.mark.parametrize("times, words", [
     ([1.0], ""),
-    (3 + 0.03 * np.arange(9), "4 times slower than real"),
-    (3 + 0.12 * np.arange(9), "real speed"),
-    (3 + 0.6 * np.arange(9), "5 times faster than real"),
-    ([*(0.002 * np.arange(30)), 0.059], "60 times slower than real"),  # the end of a stage
+    (3 + 0.03 * np.arange(9), "4 times slower than in reality"),
+    (3 + 0.12 * np.arange(9), "as fast as in reality"),
+    (3 + 0.6 * np.arange(9), "5 times faster than in reality"),
+    ([*(0.002 * np.arange(30)), 0.059], "60 times slower than in reality"),  # the end of a stage
     ([0.1, 0.2, 0.5], "a picture every 120 ms, at uneven times")])
 def test_pace_of_a_film(times, words):
     assert film_files.pace(times) == words

@@ -15,6 +15,7 @@ PLAIN = {
     # field files
     "CellData/body", "CellData/equivalent plastic strain", "CellData/solid", "Connectivity",
     "NumberOfCells", "NumberOfConnectivityIds", "NumberOfPoints", "Offsets", "CellData/stone",
+    "PointData/stone",
     "CellData/surface", "CellData/part", "CellData/wheel", "Types",
     # results
     "/contacts", "/coordination", "/fabric", "/porosity", "/stones", "history/stage",

@@ -427,6 +427,7 @@ def check_warnings(program, deck, folder):
              (deck, ("stage.fill.stiffness=0.01", "stage.fill.duration=0.2",
                      "dem.largest_overlap=9"),
               ["stage fill: contacts become 100 times as stiff at its end while they overlap"]),
+             (deck, ("dem.safety=0.4",), ["the end of these stages allow: fill ("]),
              (falling, fast, ["faster than 3 m/s or above the walls at the end"]),
              (deck, dropped, ["ballast: the ballast below this sleeper has failed"])]
     for number, (of, changes, wanted) in enumerate(cases):

@@ -279,9 +279,12 @@ class Particles {
       const std::function<void(const ContactView&)>& visit) const;  // each once over ranks
   Totals totals() const;                                            // collective
   Energies energies() const;  // those of `totals`, in half the time; collective
-  // Whether forces of the contacts, as computed last, alternate from sub-step to sub-step of dt (s)
-  // and grow: above 1, as long as the contacts stick. Of all stones together. Collective.
+  // Largest eigenvalue of M^-1 (dt^2 K + 2 dt C) of the contacts, as computed last, over 4: above 1
+  // their forces alternate from sub-step to sub-step of dt (s) and grow (contact_step.cpp).
+  // Collective; needs lists.
   double alternation(double dt) const;
+  // The longest sub-step up to dt, s, at which they do not. Collective; needs lists.
+  double stable_step(double dt) const;
   // Of all particles, in contact: each pair counts twice, each surface once. Collective.
   std::int64_t neighbours() const;
   // A node of a surface has had a load of this many N, summed over a window: the range of the sums

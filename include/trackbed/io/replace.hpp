@@ -16,6 +16,11 @@ namespace trackbed::io {
 void replace_file(const par::Comm& comm, const std::string& path,
                   const std::function<void(const std::string& part)>& write);
 
+// The same for a file that rank 0 writes alone: `write` is called there only, and may throw what it
+// likes.
+void replace_file_on_root(const par::Comm& comm, const std::string& path,
+                          const std::function<void(const std::string& part)>& write);
+
 // The last step alone; on one rank. Returns the error, or nothing.
 std::string put_in_place(const std::filesystem::path& from, const std::filesystem::path& to);
 

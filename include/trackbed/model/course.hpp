@@ -33,7 +33,10 @@ struct StageRecord {
   double aim = 0;           // an Aim
   double platen_pressure = -1;  // Pa, averaged; below 0: the platen does not load the bed
   double settlement = -1;       // m, largest of a sleeper in the last cycle; below 0: no cycles
+  // s, longest sub-step up to that of the stage that the contacts at its end allow; 0: no stones
+  double stable_step = 0;
 
+  double step() const { return window / substeps; }  // s
   void set(Aim reached) { aim = static_cast<double>(reached); }
   bool has(Aim one) const { return aim == static_cast<double>(one); }
 };

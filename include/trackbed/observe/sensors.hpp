@@ -36,9 +36,8 @@ struct SensorReading {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
   double stones = 0;                     // their number, of a sensor in the bed
   Vec3 position = Vec3::Constant(none);  // m, of their centres of mass; of the ground: unused
-  // m, since the stones were chosen; ground: since equilibrium; place: sum over the rows since the
-  // start of the stage of the mean motion from row to row of the stones that were near at the
-  // former
+  // m; of stones since they were chosen, of the ground since equilibrium. At a place it grows from
+  // row to row, since its stage began, by the mean motion of the stones near it at the former row.
   Vec3 displacement = Vec3::Constant(none);
   Vec3 velocity = Vec3::Constant(none);      // m/s
   Vec3 acceleration = Vec3::Constant(none);  // m/s^2

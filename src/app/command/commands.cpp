@@ -93,17 +93,13 @@ void require_readable(const par::Comm& comm, const std::string& path) {
   if (!problem.empty()) throw InputError({problem});
 }
 
-// On rank 0; a picture that cannot be written is a failure of the command.
+// A picture that cannot be written is a failure of the command.
 void draw(const par::Comm& comm, const std::string& path, const model::Model& model,
           const std::vector<bed::PlacedShape>& shapes, const std::string& deck) {
-  io::replace_file(comm, path, [&](const std::string& part) {
-    std::string problem;
-    if (comm.root()) {
-      std::ofstream file(part);
-      file << model::drawing_of(model, shapes, deck);
-      if (!file.flush()) problem = path + " cannot be written: " + std::strerror(errno);
-    }
-    comm.agree(problem);
+  io::replace_file_on_root(comm, path, [&](const std::string& part) {
+    std::ofstream file(part);
+    file << model::drawing_of(model, shapes, deck);
+    if (!file.flush()) throw RunError(path + " cannot be written: " + std::strerror(errno));
   });
 }
 

@@ -134,8 +134,10 @@ Outcome Run::stop() {
 Outcome Run::finish() {
   // After the loop the number is one beyond the last stage.
   course_.stage = scheme_.stages() - 1;
-  scheme_.finish();
   for (const std::string& warning : scheme_.warnings_at_end()) context_.warn(warning);
+  // What follows takes long for large results: a run that is killed then is complete.
+  write_summary(Outcome::finished);
+  scheme_.finish();
   write_summary(Outcome::finished);
   progress_.note("end", {{"outcome", "finished"}});
   return Outcome::finished;

@@ -23,7 +23,11 @@ const Column columns[] = {
     {"wall_time", &StageRecord::wall_time, {"s", "wall time of each stage"}},
     {"aim", &StageRecord::aim, {"-", "0: the stage has no aim, 1: missed, 2: reached"}},
     {"platen_pressure", &StageRecord::platen_pressure, {"Pa", "mean; below 0: no platen"}},
-    {"settlement", &StageRecord::settlement, {"m", "in the last cycle; below 0: no cycles"}}};
+    {"settlement", &StageRecord::settlement, {"m", "in the last cycle; below 0: no cycles"}},
+    {"stable_step",
+     &StageRecord::stable_step,
+     {"s",
+      "longest sub-step up to that of the stage that contacts at its end allow; 0: no stones"}}};
 
 void archive_records(io::Archive& a, std::vector<StageRecord>& records) {
   std::vector<std::string> names;

@@ -94,7 +94,8 @@ void RunOutput::declare(input::Section& s) {
             "Number of time windows after which a checkpoint is written and the run stops. Windows "
             "are counted from the start of the run, also after a resume; 0: no limit.");
   s.flag("compress", compress,
-         "Whether results.h5 is compressed when the run ends (without loss; shuffle and deflate).");
+         "Whether results.h5 is compressed, without loss (shuffle and deflate), when the run ends; "
+         "that of the models track and track_on_ground whenever it is written.");
 }
 
 void FieldOutput::declare(input::Section& s) {

@@ -236,12 +236,16 @@ void declare_warnings(const Model& model, input::Section& s) {
          {.severity = input::Severity::warning,
           .reads = {"track", "sleepers", "seat", "stage", "material", "thickness"}});
   // Extremes below a wheel are seen if each sleeper has a row with the wheel near it.
-  const double between = model.track.train.speed * model.output.history_interval;
-  s.rule("output.history_interval", between <= bed.spacing,
-         fmt::format("lets the train move {:.3g} m between two rows of the histories: peaks below "
-                     "its wheels are missed; give at most {:.2g} s (half the sleeper spacing)",
-                     between, bed.spacing / 2 / model.track.train.speed),
-         {.severity = input::Severity::warning, .reads = {"output", "train", "sleepers", "stage"}});
+  double fastest = model.track.train.speed;
+  for (const double speed : model.track.train.speeds) fastest = std::max(fastest, speed);
+  const double between = fastest * model.output.history_interval;
+  s.rule(
+      "output.history_interval", between <= bed.spacing,
+      fmt::format("lets the train move {:.3g} m between two rows of the histories, more than the "
+                  "sleeper spacing ({:g} m): peaks below its wheels are missed; give at most "
+                  "{:.2g} s",
+                  between, bed.spacing, bed.spacing / 2 / fastest),
+      {.severity = input::Severity::warning, .reads = {"output", "train", "sleepers", "stage"}});
   const TrackOutput none;
   const TrackOutput& passage = model.track.passage;
   const auto unused = [&](const char* key, bool given_one, const char* instead) {

@@ -198,7 +198,10 @@ double StagedScheme::duration_of_later_stages() const {
 Status StagedScheme::status() { return status_of(world_); }
 
 std::vector<std::string> StagedScheme::warnings_at_end() {
-  return warnings_of_end(world_, present().kind);
+  std::vector<std::string> warnings = warnings_of_end(world_, present().kind);
+  if (const std::string steps = warning_of_steps(model_, run_.course.done); !steps.empty())
+    warnings.push_back(steps);
+  return warnings;
 }
 
 // Envelopes are those of the last passage: earlier passages serve for initial settlement.
@@ -279,6 +282,7 @@ void StagedScheme::end_stage() {
   StageRecord record = record_of(present(), run_.course, world_);
   record.wall_time = run_.log.wall_time() - stage_begin_;
   record.settlement = actions_.settlement();
+  if (model_.has_stones()) record.stable_step = world_.particles.stable_step(record.step());
   const std::optional<std::string> shortfall = actions_.shortfall(present());
   if (shortfall) record.set(shortfall->empty() ? Aim::reached : Aim::missed);
   run_.course.done.push_back(record);
@@ -296,11 +300,6 @@ void StagedScheme::judge(const StageRecord& record, const std::string& shortfall
   if (const std::size_t next = run_.course.stage + 1; next < stages()) {
     const std::string warning = warning_of_stiffening(world_, present(), model_.stages[next]);
     if (!warning.empty()) run_.warn(warning);
-  }
-  if (model_.has_stones()) {
-    const double step = run_.course.steps.window / static_cast<double>(run_.course.steps.substeps);
-    if (const std::string warning = warning_of_step(world_, present(), step); !warning.empty())
-      run_.warn(warning);
   }
   if (present().kind != StageKind::compact) return;
   const std::span<const Stage> done = std::span(model_.stages).first(run_.course.stage + 1);

@@ -100,6 +100,7 @@ Json stage_list(const Course& course) {
                {"wall_time_s", r.wall_time}};
     if (r.platen_pressure >= 0) stage["platen_pressure_pa"] = r.platen_pressure;
     if (r.settlement >= 0) stage["settlement_m"] = r.settlement;
+    if (r.stable_step > 0) stage["stable_step_s"] = r.stable_step;
     if (!r.has(Aim::none)) stage["aim_reached"] = r.has(Aim::reached);
     list.push_back(stage);
   }

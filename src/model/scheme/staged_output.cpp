@@ -123,7 +123,10 @@ void StagedScheme::finish() {
   const auto timing = run_.timers.scope(Phase::output);
   const std::string failure = results_.compress();
   if (!failure.empty())
-    run_.warn(fmt::format("results.h5 is complete but was not compressed: {}", failure));
+    run_.warn(
+        fmt::format("results.h5 is complete, but it was not compressed: {}; h5repack can do this "
+                    "later",
+                    failure));
 }
 
 void StagedScheme::summarize(nlohmann::ordered_json& summary) {

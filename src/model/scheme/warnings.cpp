@@ -3,9 +3,11 @@
 #include "model/scheme/warnings.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace trackbed::model {
 
@@ -122,17 +124,23 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
   return warnings;
 }
 
-// At the end of a stage, for the contacts that there are then.
-std::string warning_of_step(const World& world, const Stage& stage, double step) {
-  const double ratio = world.particles.alternation(step);
-  if (ratio <= 1) return {};
-  const bool given = world.model.time.step > 0;
-  const double now = given ? world.model.time.step : world.model.dem.safety;
+std::string warning_of_steps(const Model& model, std::span<const StageRecord> done) {
+  std::vector<std::string> stages;
+  double least = std::numeric_limits<double>::infinity();  // s
+  for (const StageRecord& stage : done) {
+    if (stage.stable_step == 0 || stage.stable_step >= stage.step()) continue;
+    stages.push_back(
+        fmt::format("{} ({:.2f} times)", stage.name, stage.step() / stage.stable_step));
+    least = std::min(least, stage.stable_step);
+  }
+  if (stages.empty()) return {};
+  const std::string safety =
+      model.time.step > 0 ? ""
+                          : fmt::format("a smaller dem.safety than {:g}, or ", model.dem.safety);
   return fmt::format(
-      "stage {}: the sub-step of {:.4g} s is {:.3g} times as long as the contacts at its end "
-      "allow: "
-      "forces of some stones alternate from sub-step to sub-step; reduce {} to {:.2g} or less",
-      stage.name, step, ratio, given ? "time.step" : "dem.safety", now / ratio);
+      "sub-steps are longer than the contacts at the end of these stages allow: {}; forces of some "
+      "stones alternate there from sub-step to sub-step: give {}time.step of at most {:.3g} s",
+      fmt::join(stages, ", "), safety, least);
 }
 
 // The height to which the energy would lift the bed if nothing dissipated it.

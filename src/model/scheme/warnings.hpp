@@ -13,9 +13,8 @@ namespace trackbed::model {
 // On height and porosity of the compacted bed, compared with those of the layers that the stages
 // `done` poured; empty: as expected. Collective.
 std::string warning_of_bed(const World& world, std::span<const Stage> done);
-// On a sub-step of `step`, s, that the contacts at the end of the stage do not allow. Collective;
-// needs lists.
-std::string warning_of_step(const World& world, const Stage& stage, double step);
+// On sub-steps that the contacts at the end of their stage do not allow; empty: there are none.
+std::string warning_of_steps(const Model& model, std::span<const StageRecord> done);
 // On the elastic energy of contacts that become stiffer when `next` follows `stage`, at the end of
 // which they are now; empty: it moves no stone noticeably. Collective; needs lists.
 std::string warning_of_stiffening(const World& world, const Stage& stage, const Stage& next);

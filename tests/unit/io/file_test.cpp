@@ -6,6 +6,8 @@
 #include <semaphore.h>
 #include <sys/stat.h>
 
+#include <cmath>
+#include <filesystem>
 #include <numeric>
 
 #include "trackbed/core/error.hpp"
@@ -123,6 +125,37 @@ TEST(File, GrowsAndIsCutAndGrowsAgain) {
   const File file(world(), path, Mode::read);
   EXPECT_EQ(file.read_all<double>("/history"), values<double>(0, 2 * 4050));
   EXPECT_EQ(file.text_attribute("/history", "units"), "m/s");
+}
+
+// Written by one rank, read by all.
+TEST(File, CompressesWithoutLoss) {
+  const Scratch scratch("compressed");
+  const auto few = [](std::size_t first, std::size_t count) {  // different values
+    std::vector<double> made = values<double>(first, count);
+    for (double& value : made) value = std::fmod(value, 7);
+    return made;
+  };
+  const auto write = [&](const std::string& name, bool compress) {
+    if (!world().root()) return;
+    File file(par::Comm::self(), scratch / name, Mode::create);
+    if (compress) file.compress();
+    for (std::size_t first = 0; first < 20000; first += 7000)
+      file.append<double>("/grows", few(2 * first, 14000), 2, label);
+    file.write<double>("/table", few(0, 30000), 3, label);
+    file.write<double>("/small", values<double>(0, 3), 1, label);
+    file.close();
+  };
+  write("plain.h5", false), write("small.h5", true);
+  world().barrier();
+  const File plain(world(), scratch / "plain.h5", Mode::read),
+      small(world(), scratch / "small.h5", Mode::read);
+  for (const char* name : {"/grows", "/table", "/small"}) {
+    EXPECT_EQ(small.extent(name), plain.extent(name));
+    EXPECT_EQ(small.read_all<double>(name), plain.read_all<double>(name));
+    EXPECT_EQ(small.read_own_rows<double>(name), plain.read_own_rows<double>(name));
+  }
+  EXPECT_LT(std::filesystem::file_size(scratch / "small.h5"),
+            std::filesystem::file_size(scratch / "plain.h5") / 2);
 }
 
 // Space reserved against a full disk is released: thousands of small files are written per run.

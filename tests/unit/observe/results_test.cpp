@@ -120,6 +120,38 @@ TEST(Results, ExchangeTwoFilesAtAFlush) {
 }
 
 // A reader who opened the file before two flushes reads the same rows afterwards.
+TEST(Results, AreCompressedAtTheEnd) {
+  const io::Scratch scratch("results_compressed");
+  Model model(scratch / "results.h5");
+  model.sample(20000);
+  model.results.flush();
+  const auto plain = std::filesystem::file_size(model.path);
+  model.sample(1);  // is still in memory
+  EXPECT_EQ(model.results.compress(), "");
+  model.expect_rows(20001);
+  par::Comm::world().barrier();
+  EXPECT_LT(std::filesystem::file_size(model.path), plain / 2);
+  EXPECT_FALSE(std::filesystem::exists(model.path + ".part"));
+}
+
+// A folder in the place of the part: no file can be made.
+TEST(Results, StayAsTheyAreIfTheyCannotBeCompressed) {
+  const io::Scratch scratch("results_not_compressed");
+  Model model(scratch / "results.h5");
+  model.sample(50);
+  model.results.flush();
+  const par::Comm comm = par::Comm::world();
+  if (comm.root()) {
+    std::filesystem::remove(model.path + ".part");
+    std::filesystem::create_directories(model.path + ".part/full");
+  }
+  comm.barrier();
+  const std::string why = model.results.compress();
+  EXPECT_NE(why.find("results.h5.part"), std::string::npos) << why;
+  EXPECT_EQ(why.find("rank 0: rank 0"), std::string::npos) << why;
+  model.expect_rows(50);
+}
+
 TEST(Results, LeaveAFileThatIsReadToItsReader) {
   const io::Scratch scratch("reader");
   const par::Comm world = par::Comm::world();
