@@ -244,6 +244,19 @@ def draw_acceleration(run, _, panel):
     panel.set(ylabel=f"acceleration, m/s2\n{FILTER.name_for(time)}", xlabel="time, s")
 
 
+ENERGIES = {"track": "rail, sleepers and springs", "given_to_ground": "work on the ground",
+            "ground_kinetic": "ground, kinetic", "ground_elastic": "ground, elastic",
+            "ground_plastic": "ground, dissipated"}
+
+
+def draw_energy(run, _, panel):
+    for name, label in ENERGIES.items():
+        if f"history/energy/{name}" in run:
+            panel.plot(run["history/time"].values, history(run, f"energy/{name}"), lw=0.9,
+                       label=label)
+    panel.set(ylabel="energy, J", xlabel="time, s")
+
+
 def train_above(run, deck):
     """(Train, Places): the train above the first sleepers with histories, of two rails each once;
     None without a train or without sleepers."""
@@ -280,6 +293,8 @@ def draw(run, length, deck):
         drawn += [draw_seats, draw_acceleration]
     if not drawn:
         return None
+    if "history/energy/track" in run:
+        drawn.append(draw_energy)
     above = train_above(run, deck)
     heights = [2.0] * len(drawn)
     if above:

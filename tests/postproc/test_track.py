@@ -105,6 +105,18 @@ def test_panels(sleepers, panels):
     plt.close(figure)
 
 
+def test_energies_are_in_a_panel_of_their_own():
+    run = made()
+    for name, values in (("track", 3.0), ("ground_elastic", 2.0)):
+        run[f"history/energy/{name}"] = read.Quantity(np.full(301, values), "J", "made for a test")
+    figure = track_figures.draw(run, 20, {})
+    panel, = (axes for axes in figure.axes if axes.get_ylabel() == "energy, J")
+    lines = {line.get_label(): line.get_ydata()[-1] for line in panel.lines
+             if not line.get_label().startswith("_")}
+    assert lines == {"rail, sleepers and springs": 3, "ground, elastic": 2}
+    plt.close(figure)
+
+
 def test_two_points_at_one_place_are_not_two_rails():
     run = made() | {"rail/x": read.Quantity(np.array([5.0, 5.0]), "m", "made for a test")}
     assert track_figures.places(run, "rail/x") == ["5 m, left", "5 m, right"]
