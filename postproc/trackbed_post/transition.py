@@ -78,8 +78,8 @@ def require_whole(run, passing):
     """The train of the last passage must have left the bed, or no number has a meaning."""
     last = run.time[run.passage()]
     if not run.has_passage() or passing.time[0] < last[0]:
-        raise read.Unreadable(f"{run.name}: the run was stopped before the train of its last "
-                              "passage: resume it")
+        raise read.Unreadable(f"{run.name}: the run has not reached the train of its last passage: "
+                              "wait for its end or, if it was stopped, resume it")
     gone = passing.x[-1][np.isfinite(passing.x[-1])]
     if len(gone) and gone.min() < run.sleepers_x[-1]:
         raise read.Unreadable(f"{run.name}: the last row of the histories, {last[-1]:.4g} s, has "
@@ -113,33 +113,34 @@ def named(trains):
 
 @dataclasses.dataclass(frozen=True)
 class Zone:
-    """Which sleepers are judged, [sleeper]: on the structure, between its edge and one spacing
-    behind the wedge, and on plain track beyond; `distance`, m, from the edge into the soft ground.
-    """
+    """Which sleepers are judged, [sleeper]: on the structure, on plain track, and from the last of
+    the former to the first of the latter, both included, so that each space between two sleepers
+    belongs to one part; `distance`, m, from the edge into the soft ground."""
     distance: np.ndarray
     structure: np.ndarray
     transition: np.ndarray
     plain: np.ndarray
 
 
-def zone_of(run, wedge):
-    """The Zone of a run; `wedge`: length of the longer wedge of the runs, m. None without a
-    structure, or without sleepers in one of its parts."""
+def zone_of(run, changing):
+    """The Zone of a run; `changing`: distance from the edge, m, over which the track changes. None
+    without a structure, or without sleepers in one of its parts."""
     edge = ground_blocks.edge_of_structure(run)
     if edge is None:
         return None
     x, spacing = run.sleepers_x, measures.spacing(run)
     distance = ground_blocks.direction(run, edge) * (x - edge)
     low, high = ground_blocks.structure(run)
-    begin, end = ground_blocks.plain_track(run, edge, wedge, spacing)
+    begin, end = ground_blocks.plain_track(run, edge, changing, spacing)
     judged = ~ground_blocks.at_ends(len(x), True)
     tiny = measures.TINY
-    found = Zone(distance,
-                 judged & (x >= low - tiny) & (x <= high + tiny) & (distance <= -spacing + tiny),
-                 (distance >= -tiny) & (distance <= wedge + spacing + tiny),
-                 judged & (distance >= begin - tiny) & (distance <= end + tiny))
-    parts = (found.structure, found.transition, found.plain)
-    return found if all(np.count_nonzero(part) > 1 for part in parts) else None
+    structure = judged & (x >= low - tiny) & (x <= high + tiny) & (distance <= -spacing + tiny)
+    plain = judged & (distance >= begin - tiny) & (distance <= end + tiny)
+    if min(np.count_nonzero(structure), np.count_nonzero(plain)) < 2:
+        return None
+    between = (distance >= distance[structure].max() - tiny) & (
+        distance <= distance[plain].min() + tiny)
+    return Zone(distance, structure, between, plain)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -154,6 +155,8 @@ class Change:
     steepest_x: float  # between both
     steepest_behind: float
     scatter: float    # m/m, largest between neighbouring sleepers on plain track
+    sleeper_steepest: float  # m/m, of the level of the sleepers themselves
+    sleeper_scatter: float
     force: float      # N, largest wheel force in the transition
     force_x: float
     force_behind: float
@@ -173,10 +176,24 @@ def steepest_within(level, place, part):
 
 
 def changes_of(trains):
-    """A Change of each train, or None if a run has no such zone. Plain track is the same in all
-    designs: its level, from which the width follows, is the mean over them."""
-    wedge = max(ground_blocks.wedge_length(train.run) for train in trains)
-    zones = [zone_of(train.run, wedge) for train in trains]
+    """A Change of each train, or None if a run has no such zone. Plain track begins behind the
+    longest wedge and where each run has reached REACHED of the change to its own plain track, which
+    in turn depends on its level."""
+    changing = max(ground_blocks.wedge_length(train.run) for train in trains)
+    while found := changes_beyond(trains, changing):
+        widths = [width_of(one.zone.distance, train.rail_down(), one.structure, one.plain)
+                  for train, one in zip(trains, found)]
+        widest = max(filter(np.isfinite, widths), default=0.0)
+        if widest <= changing + measures.TINY:
+            break
+        changing = widest
+    return found
+
+
+def changes_beyond(trains, changing):
+    """The same if the track changes over this distance from the edge, m. Plain track is the same in
+    all designs: its level, from which the width follows, is the mean over them."""
+    zones = [zone_of(train.run, changing) for train in trains]
     if None in zones:
         return None
     plains = [float(np.median(train.rail_down()[zone.plain]))
@@ -198,7 +215,10 @@ def change_of(train, zone, plain, goal):
         zone=zone, structure=structure, plain=plain,
         width=width_of(zone.distance, level, structure, goal), steepest=steepest,
         steepest_x=steepest_x, steepest_behind=behind(steepest_x),
-        scatter=steepest_within(level, x, zone.plain)[0], force=force, force_x=force_x,
+        scatter=steepest_within(level, x, zone.plain)[0],
+        sleeper_steepest=steepest_within(train.sleeper_down(), x, zone.transition)[0],
+        sleeper_scatter=steepest_within(train.sleeper_down(), x, zone.plain)[0],
+        force=force, force_x=force_x,
         force_behind=behind(force_x),
         force_structure=train.largest_force_in(zone.structure)[0],
         force_plain=train.largest_force_in(zone.plain)[0],
@@ -229,6 +249,8 @@ ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3)
         ("distance of the steepest change behind the structure, m", "steepest_behind", 1),
         ("steepest change between two sleepers of plain track (scatter of the bed), mm/m",
          "scatter", 1e3),
+        ("the same of the sleepers in the transition, mm/m", "sleeper_steepest", 1e3),
+        ("the same of the sleepers on plain track, mm/m", "sleeper_scatter", 1e3),
         ("largest wheel force in the transition, kN", "force", 1e-3),
         ("x of the largest wheel force in the transition, m", "force_x", 1),
         ("distance of the largest wheel force behind the structure, m", "force_behind", 1),

@@ -7,6 +7,7 @@ numbers: docs/postproc.md.
 from __future__ import annotations
 
 import collections.abc
+import pathlib
 import typing
 
 import numpy as np
@@ -20,6 +21,7 @@ if typing.TYPE_CHECKING:
 
 Differences = dict[str, Difference]  # by names of fields, or of rows
 NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two designs may differ
+CELL = "bed.cell"
 
 
 def differences(trains: list[Train], changes: list[Change]) -> Differences:
@@ -35,21 +37,22 @@ def differences(trains: list[Train], changes: list[Change]) -> Differences:
             "force": of("force", ripple, "kN", 1e-3, -1)}
 
 
-def different_key(first: read.Results, second: read.Results) -> str:
-    """The first parameter, besides those of the wedge, in which two decks differ; or nothing."""
+def different_keys(first: read.Results, second: read.Results) -> list[str]:
+    """The parameters, besides those of the wedge, in which two decks differ. A cell is compared by
+    its name, since the path of its folder changes if results are moved."""
     def flat(deck: read.Deck, path: str = "") -> collections.abc.Iterator[tuple[str, object]]:
         for key, value in deck.items():
             if isinstance(value, dict):
                 yield from flat(value, f"{path}{key}.")
             elif not (path + key).startswith(NOT_COMPARED) and path + key != "ground.block":
-                yield path + key, value
+                yield path + key, pathlib.PurePath(value).name if path + key == CELL else value
     one, other = dict(flat(first.deck)), dict(flat(second.deck))
     differing = [key for key in {**one, **other} if one.get(key) != other.get(key)]
     shared = [block.name for block in ground_blocks.present(second)]
     blocks = [{each["name"]: each for each in run.deck["ground"].get("block", [])}
               for run in (first, second)]
     differing += [f"ground.block.{name}" for name in shared if blocks[0][name] != blocks[1][name]]
-    return differing[0] if differing else ""
+    return differing
 
 
 def why_no_verdict(trains: list[Train], changes: list[Change] | None) -> str:
@@ -58,8 +61,8 @@ def why_no_verdict(trains: list[Train], changes: list[Change] | None) -> str:
     runs = [train.run for train in trains]
     if no_pair := why_no_pair(*runs):
         return no_pair
-    if key := different_key(*runs):
-        return f"the decks differ in {key}, not only in the wedge"
+    if keys := different_keys(*runs):
+        return f"the decks differ in {', '.join(keys)}, not only in the wedge"
     if changes is None:
         return ("the ground has no structure (a block with young of at least "
                 f"{ground_blocks.STRUCTURE / 1e9:g} GPa), or there are too few sleepers on it, "
@@ -103,7 +106,8 @@ def verdict(trains: list[Train], changes: list[Change] | None, unsound: str = ""
 
 
 def place(x: float, behind: float) -> str:
-    return f"at x = {x:.2f} m, {behind:.2f} m behind the structure"
+    side = "behind" if behind >= 0 else "before the end of"
+    return f"at x = {x:.2f} m, {abs(behind):.2f} m {side} the structure"
 
 
 def cause_of_forces(trains: list[Train], changes: list[Change]) -> str:
@@ -150,6 +154,18 @@ def of_ground(runs: list[read.Results]) -> Differences:
     return ground_transition.differences(first, second, measures.spacing(runs[0]))
 
 
+def beside_structure(run: read.Results) -> str:
+    """A sentence on blocks of the run without wedge that touch the structure; empty without one."""
+    edge = ground_blocks.edge_of_structure(run)
+    names = [block.name for block in ground_blocks.present(run)
+             if not block.structure and edge is not None
+             and np.abs(block.x - edge).min() < measures.TINY]
+    if not names:
+        return ""
+    return (f"Both runs have {' and '.join(names)} beside the structure: if that belongs to the "
+            "wedge, the second run is not without one (present = false).")
+
+
 def sentences(trains: list[Train], changes: list[Change] | None, unsound: str) -> str:
     """The verdict, and how it differs from that on the ground."""
     found = verdict(trains, changes, unsound)
@@ -157,4 +173,4 @@ def sentences(trains: list[Train], changes: list[Change] | None, unsound: str) -
         return found
     ground = of_ground([train.run for train in trains])
     other = beside_ground(differences(trains, changes), ground) if ground else ""
-    return f"{found} {other}".strip()
+    return " ".join(filter(None, (found, other, beside_structure(trains[1].run))))

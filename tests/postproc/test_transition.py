@@ -102,7 +102,47 @@ def test_force_is_that_of_the_transition():
     one.passing.force[one.passing.x[:, 0] < 4] = 90e3
     one.passing.force[:, 1] = 60e3
     found = transition.changes_of([one])[0]
-    assert found.force == pytest.approx(60e3) and 4.7 < found.force_x < 10
+    assert found.force == pytest.approx(60e3) and 4.2 < found.force_x < 10.2
+
+
+def test_each_space_between_sleepers_belongs_to_one_part():
+    one = train(7.8)
+    # The largest force and the steepest change are just before the edge of the structure.
+    one.passing.force[np.abs(one.passing.x - 4.5) < 0.05] = 70e3
+    one.passing.rail[1, X < 4.5] = 0
+    found = transition.changes_of([one])[0]
+    assert found.force == pytest.approx(70e3) and found.force_x == pytest.approx(4.5, abs=0.1)
+    assert found.steepest_x == pytest.approx(4.5)
+    zone = found.zone
+    assert [X[part][[0, -1]].round(1).tolist() for part in (
+        zone.structure, zone.transition, zone.plain)] == [[2.4, 4.2], [4.2, 10.2], [10.2, 16.2]]
+    assert "0.35 m before the end of the structure" in transition_verdict.place(4.45, -0.35)
+
+
+def test_plain_track_begins_where_the_change_is_reached():
+    """A slope that ends 3 m behind the wedge is no scatter of plain track."""
+    found = transition.changes_of([train(12.0)])[0]
+    assert found.width == pytest.approx(0.9 * 7.2)
+    assert found.plain_begin == pytest.approx(12.6) and found.scatter == pytest.approx(0, abs=1e-9)
+
+
+def test_a_part_of_the_wedge_that_stays_is_named():
+    first, second = train(7.8), train(5.4, wedge_present=False)
+    for one in (first, second):
+        one.run.deck["ground"]["block"].append(
+            {"name": "top", "outline": [4.8, 0.0, 9.0, 0.0, 9.0, -0.2, 4.8, -0.2], "young": 1e9})
+    text = transition_verdict.beside_structure(second.run)
+    assert "Both runs have top beside the structure: if that belongs to the wedge" in text
+    assert transition_verdict.beside_structure(train(5.4, wedge_present=False).run) == ""
+
+
+def test_a_cell_that_was_moved_is_the_same():
+    first, second = train(7.8), train(5.4, wedge_present=False)
+    for one, cell in ((first, "/one/cell"), (second, "/other/cell")):
+        one.run.deck["bed"] = {"cell": cell, "height": 0.3}
+    assert "No verdict" not in stated(first, second)
+    second.run.deck["bed"] = {"cell": "/other/cell_2", "height": 0.4}
+    assert "differ in bed.cell, bed.height, not only in the wedge" in stated(first, second)
 
 
 def test_verdict_names_what_changes_clearly():
@@ -151,7 +191,7 @@ def test_no_verdict():
 def test_a_run_that_was_stopped_is_refused():
     run = types.SimpleNamespace(name="made", time=np.linspace(0, 1, 11), sleepers_x=X,
                                 passage=lambda: slice(5, 11), has_passage=lambda: True)
-    for begin, axle, words in ((0.2, 20.0, "was stopped before the train of its last passage"),
+    for begin, axle, words in ((0.2, 20.0, "has not reached the train of its last passage"),
                                (0.5, 10.0, "has an axle at x = 10.0 m")):
         passing = types.SimpleNamespace(time=np.linspace(begin, 1, 6),
                                         x=np.full((6, 2), axle))

@@ -19,6 +19,9 @@ SCATTER = "steepest change between two sleepers of plain track (scatter of the b
 FORCE, ON_STRUCTURE, ON_PLAIN = (f"largest wheel force {where}, kN" for where in (
     "in the transition", "on the structure", "on plain track"))
 MEAN = "mean wheel force over the bed, kN"
+SLEEPERS, SLEEPERS_PLAIN = (f"the same of the sleepers {where}, mm/m" for where in (
+    "in the transition", "on plain track"))
+SETTLEMENT = "settlement of sleepers into the bed, mean, mm"
 SENTENCES = {
     f"Without the wedge, 90 % of this increase is reached {N} m behind the structure, with the "
     f"wedge {N} m behind it": ((REACHED, 1), (REACHED, 0)),
@@ -26,6 +29,10 @@ SENTENCES = {
     f"with it, .*?, {N} m behind the structure":
         ((STEEPEST, 1), (BEHIND, 1), (STEEPEST, 0), (BEHIND, 0)),
     f"changes between neighbouring sleepers of plain track, up to {N} mm/m": ((SCATTER, max),),
+    f"their steepest change is {N} mm/m without the wedge and {N} mm/m with it, on plain track up "
+    f"to {N} mm/m": ((SLEEPERS, 1), (SLEEPERS, 0), (SLEEPERS_PLAIN, max)),
+    f"settle by {N} mm in the mean with the wedge and by {N} mm without":
+        ((SETTLEMENT, 0), (SETTLEMENT, 1)),
     f"the largest there is {N} kN with the wedge and {N} kN without, on plain track {N} and {N} "
     f"kN, on the structure {N} and {N} kN, and the mean over the bed is {N} kN":
         ((FORCE, 0), (FORCE, 1), (ON_PLAIN, 0), (ON_PLAIN, 1), (ON_STRUCTURE, 0),

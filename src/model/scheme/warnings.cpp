@@ -139,7 +139,8 @@ std::string warning_of_steps(const Model& model, std::span<const StageRecord> do
                           : fmt::format("a smaller dem.safety than {:g}, or ", model.dem.safety);
   return fmt::format(
       "sub-steps are longer than the contacts at the end of these stages allow: {}; forces of some "
-      "stones alternate there from sub-step to sub-step: give {}time.step of at most {:.3g} s",
+      "stones alternate there from sub-step to sub-step and are not reliable: give {}time.step of "
+      "at most {:.3g} s",
       fmt::join(stages, ", "), safety, least);
 }
 
