@@ -38,14 +38,15 @@ def mark_places(force, level, trains, changes):
 
 
 def bracket_zones(panel, train, zone):
-    """Brackets at the lower edge over the sleepers that are judged together."""
+    """Brackets at the lower edge from the first to the last of the sleepers that are judged together;
+    neighbouring parts share a sleeper."""
     panel.margins(y=0.16)
     across = panel.get_xaxis_transform()
-    half = measures.spacing(train.run) / 2
+    apart = measures.spacing(train.run) / 10
     for words, part in (("on the structure", zone.structure), ("transition", zone.transition),
                         ("plain track", zone.plain)):
         x = train.run.sleepers_x[part]
-        low, high = x.min() - 0.8 * half, x.max() + 0.8 * half
+        low, high = x.min() + apart, x.max() - apart
         panel.plot([low, low, high, high], [0.06, 0.03, 0.03, 0.06], color="0.2", lw=1.2,
                    transform=across)
         panel.text((low + high) / 2, 0.045, words, transform=across, fontsize=8, ha="center",
