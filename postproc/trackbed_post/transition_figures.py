@@ -14,6 +14,7 @@ from trackbed_post.ground_transition import REACHED
 STYLES = tuple({"color": colour, "ls": line}
                for colour, line in zip(("#0b559f", "#d95f02"), panels.LINES))
 WRAP = 118           # characters of a line below transition.png
+NEAR = 2.0           # m, shown around a transition
 
 
 def mark_judged(panel, trains, changes):
@@ -38,8 +39,8 @@ def mark_places(force, level, trains, changes):
 
 
 def bracket_zones(panel, train, zone):
-    """Brackets at the lower edge from the first to the last of the sleepers that are judged together;
-    neighbouring parts share a sleeper."""
+    """Brackets at the lower edge from the first to the last of the sleepers that are judged
+    together; neighbouring parts share a sleeper."""
     panel.margins(y=0.16)
     across = panel.get_xaxis_transform()
     apart = measures.spacing(train.run) / 10
@@ -117,9 +118,28 @@ def instants(train, folder):
     return found[shown[0]:shown[-1] + 1] if shown else []
 
 
+def largest_contact(chains, span):
+    """(N, x in m) of the largest contact force whose middle is in the span; 0 without any."""
+    x = chains.lines[..., 0].mean(axis=1)
+    force = np.where((x >= span[0]) & (x <= span[1]), chains.force, 0.0)
+    most = int(np.argmax(force)) if len(force) else None
+    return (0.0, float(np.mean(span))) if most is None else (float(force[most]), float(x[most]))
+
+
+def span_of_interest(run):
+    """From NEAR before the structure's edge to NEAR behind the wedge, x in m; of a run without a
+    structure the whole bed."""
+    edge = ground_blocks.edge_of_structure(run)
+    if edge is None:
+        return float(run.sleepers_x[0]), float(run.sleepers_x[-1])
+    turn = ground_blocks.direction(run, edge)
+    ends = edge - turn * NEAR, edge + turn * (ground_blocks.wedge_length(run) + NEAR)
+    return min(ends), max(ends)
+
+
 def draw_model(train, folder):
-    """The model at the instant of the field files when the largest contact force is greatest, and
-    the bed below the axles enlarged."""
+    """The model at the instant of the field files when the largest contact force around the
+    transition is greatest, and the bed there enlarged."""
     shape = model_drawing.shape_of(train.run, model_drawing.CUT)
     figure = plt.figure(figsize=(13, 12.2 * shape + 3.25))
     size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)
@@ -129,12 +149,13 @@ def draw_model(train, folder):
               model_drawing.Scene(close, train.run, model_drawing.CUT)]
     forces = [(model_drawing.contacts(file), row) for row, _, file in instants(train, folder)]
     if forces:
-        chains, row = max(forces, key=lambda each: each[0].force.max(initial=0))
+        span = span_of_interest(train.run)
+        chains, row = max(forces, key=lambda each: largest_contact(each[0], span)[0])
         largest = chains.force.max(initial=0)
         for scene in scenes:
             scene.set_chains(chains, largest)
         scenes[0].explain_chains(largest)
-        middle = chains.lines[np.argmax(chains.force)][:, 0].mean()
+        middle = largest_contact(chains, span)[1]
     else:
         on_bed = np.where(train.passing.on_bed()[..., None], train.passing.force, np.nan)
         row = int(np.nanargmax(np.nanmax(on_bed, axis=(1, 2), initial=-1)))

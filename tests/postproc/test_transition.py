@@ -5,7 +5,8 @@ import types
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import read, transition, transition_figures, transition_verdict
+from trackbed_post import (model_drawing, read, transition, transition_figures,
+                           transition_verdict)
 
 X = 0.6 * np.arange(1, 31)
 
@@ -95,6 +96,19 @@ def test_sleepers_of_each_part_are_in_brackets():
     assert level.lines[2].get_xdata()[[0, -1]] == pytest.approx([10.2 + 0.06, 16.2 - 0.06])
     assert level.lines[4].get_xdata() == pytest.approx([4.8, 5.4])
     plt.close(figure)
+
+
+def test_the_model_is_enlarged_around_the_transition():
+    """Not at the end of the bed, where a contact force may be larger."""
+    one = train(7.8)
+    span = transition_figures.span_of_interest(one.run)
+    assert span == pytest.approx((4.8 - 2, 9.0 + 2))
+    x = np.array([3.0, 9.0, 17.0])
+    lines = np.stack([np.stack([x, x + 0.04], axis=1), np.zeros((3, 2))], axis=2)
+    chains = model_drawing.Chains(lines, np.array([10e3, 20e3, 30e3]))
+    assert transition_figures.largest_contact(chains, span) == pytest.approx((20e3, 9.02))
+    none = model_drawing.Chains(lines[:0], np.zeros(0))
+    assert transition_figures.largest_contact(none, span)[0] == 0
 
 
 def test_force_is_that_of_the_transition():
