@@ -28,6 +28,9 @@ constexpr double tangent_hertz = 1.5;  // dF/d delta over F/delta
 // The largest eigenvalue converges first: on beds of 66 and 510 stones 600 give the same to 1e-12.
 constexpr int iterations = 40;
 constexpr double spanned = 1e-12;  // what remains beside all motions that the start contains
+constexpr double slides = 0.999;   // of the largest tangential force, which sliding contacts have
+constexpr double accurate = 1e-3;  // relative, of the eigenvalue at the step that is found
+constexpr int solutions = 12;      // for a step; each halves the error at least
 
 // Translation, m/s, and rotation, rad/s in space axes, of one particle.
 struct Motion {
@@ -36,15 +39,11 @@ struct Motion {
   Vec3 spin() const { return {numbers[3], numbers[4], numbers[5]}; }
 };
 
-constexpr double slides = 0.999;   // of the largest tangential force, which sliding contacts have
-constexpr double accurate = 1e-3;  // relative, of the eigenvalue at the step that is found
-constexpr int solutions = 12;      // for a step; each halves the error at least
-
 // A contact, seen from both stones; levers from the centres of mass, m.
 struct Spring {
   std::size_t first, second;
   Vec3 lever_first, lever_second, normal;
-  double k_n, k_s;  // N/m, with the dashpots, see `alternates`
+  double along, across;  // kg, dt^2 k + 2 dt c of the normal and of the tangential force
 };
 
 }  // namespace
@@ -96,7 +95,7 @@ class Particles::AlternatingMotion {
       if (!surface)
         apart -= motions_[c.second].velocity() + motions_[c.second].spin().cross(c.lever_second);
       const Vec3 along = c.normal * c.normal.dot(apart);
-      const Vec3 force = c.k_n * along + c.k_s * (apart - along);
+      const Vec3 force = c.along * along + c.across * (apart - along);
       add(c.first, force, c.lever_first);
       if (!surface) add(c.second, -force, c.lever_second);
     }
