@@ -58,6 +58,11 @@ def row_before_train(first_axle_x: np.ndarray, bed_begin: float) -> int:
     return max(int(near[0]) - 1, 0) if len(near) else 0
 
 
+def have_passed(x: np.ndarray, place: float) -> bool:
+    """Whether every axle, [time, axle], was beyond a place at least once."""
+    return bool((np.where(np.isfinite(x), x, -np.inf) >= place).any(axis=0).all())
+
+
 def time_off(there: np.ndarray, force: np.ndarray) -> float:
     """Part of the rows with a wheel at a place of interest (`there`, [time, wheel]) in which one of
     these wheels has no force."""

@@ -18,9 +18,16 @@ class BedWarning:
 
 
 def warnings_of(run: read.Results) -> list[BedWarning]:
-    """Those of a run; none without a passage over sleepers on stones."""
+    """Those of a run; none without a passage over sleepers on stones. While the train is on the bed
+    neither gaps nor settlement are known."""
     if not run.has_passage() or not len(run.sleepers_x) or "reaction" not in run.sleeper:
         return []
+    if not measures.train_has_left(run):
+        return [BedWarning("the train has not left the bed", (
+            f"the train has not left the bed in the last row of the histories, at "
+            f"{run.time[-1]:.4g} s: numbers and figures of the passage are those up to then, and "
+            "no residual displacement is known; wait for the end of the run or, if it was stopped, "
+            "resume it; if the stage has ended, give it a longer duration"))]
     return [*_of_hanging(run), *_of_bedding_in(run)]
 
 

@@ -2,6 +2,7 @@
 
 Those of a transition zone are in ground_transition.py and transition.py.
 """
+import collections.abc
 import dataclasses
 import typing
 
@@ -42,6 +43,41 @@ def smoothed(x: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:
     return np.array([np.mean(values[np.abs(x - place) <= width / 2 + TINY]) for place in x])
 
 
+def has_ground(results: read.Results) -> bool:
+    """Whether the bed is on a ground; otherwise it is on a rigid floor."""
+    return bool(results.deck.get("ground", {}).get("present", len(results.ground_x) > 0))
+
+
+def train_has_left(results: read.Results) -> bool:
+    """Whether all axles have passed the last sleeper: those on a rail by the histories of their
+    wheels, those of [load] by their speed. True without a stage of kind passage, and where it is
+    not known: of loads from a table, and of several trains without a rail."""
+    if not results.asks_for_passage() or not len(results.sleepers_x):
+        return True
+    if not results.has_passage():
+        return False
+    rows, end = results.passage(), results.sleepers_x[-1]
+    if ground_blocks.carried_by_springs(results):
+        if "x" not in results.wheel:
+            return True
+        x = axles.of_wheels(results.wheel["x"].values[rows])
+        trains = axles.rows_of_trains(x)
+        return bool(trains) and axles.have_passed(x[trains[-1][0]:], end)
+    load, time = results.deck.get("load", {}), results.time[rows]
+    several = results.deck["stage"][int(results.stage[rows][0])].get("cycles", 0) > 1
+    if several or not load.get("axles") or load.get("kind") in ("table", "seats"):
+        return True
+    first = load.get("start", 0.0) + load["speed"] * (time[-1] - time[0])
+    return bool(first - max(load["axles"]) >= end)
+
+
+def passage_words(runs: collections.abc.Sequence[read.Results]) -> str:
+    """What the rows of `passage` of these runs are, in titles."""
+    if not all(run.has_passage() for run in runs):
+        return "last stage"
+    return "passage" if all(map(train_has_left, runs)) else "unfinished passage"
+
+
 def row_before_train(results: read.Results) -> int:
     """The row of the passage before the train comes to the bed, counted from its first one: 0
     without a train on a rail, whose pads have their forces from the first row on."""
@@ -71,8 +107,13 @@ def why_no_envelope(results: read.Results) -> str:
         return f"{results.name} contains no passage: " + (
             "the run was stopped before it" if results.asks_for_passage() else
             "the deck has no stage of kind passage")
-    return "" if {"displacement_min", "sigma_z_min"} <= results.ground_envelope.keys() \
-        else f"{results.name} has no ground, or no history of it"
+    if {"displacement_min", "sigma_z_min"} <= results.ground_envelope.keys():
+        return ""
+    if not has_ground(results):
+        return f"{results.name} has no ground"
+    if not train_has_left(results):
+        return f"{results.name} has no envelopes yet, as its passage has not ended"
+    return f"{results.name} has no history of the ground"
 
 
 def loading_frequencies(results: read.Results) -> dict[str, float]:
@@ -108,11 +149,12 @@ def residual_ground(results: read.Results) -> np.ndarray:
 
 def warnings(results: read.Results) -> list[str]:
     """A message on residual displacement of the ground after the passage, and one per sleeper with
-    residual displacement relative to the ground; none before the passage."""
+    residual displacement relative to the ground; none before the train has left."""
     kept = residual_displacement(results)
-    if not len(kept) or (results.asks_for_passage() and not results.has_passage()):
+    if not len(kept) or not train_has_left(results):
         return []
     sunk = residual_ground(results)
+    beside = " relative to the ground" if has_ground(results) else ""
     lines = []
     most = sunk[np.argmax(np.abs(sunk))]
     if abs(most) > LASTING:
@@ -124,7 +166,7 @@ def warnings(results: read.Results) -> list[str]:
             "load")
     return lines + [
         f"warning: {results.name}: the sleeper at x = {x:.2f} m has a residual displacement of "
-        f"{1e3 * abs(left):.2f} mm {'downwards' if left > 0 else 'upwards'} relative to the ground "
+        f"{1e3 * abs(left):.2f} mm {'downwards' if left > 0 else 'upwards'}{beside} "
         f"(limit {1e3 * LASTING:.0f} mm): stones were rearranged"
         for x, left in zip(results.sleepers_x, kept - sunk) if abs(left) > LASTING]
 

@@ -74,8 +74,11 @@ def _of_wheels_on_track(every: read.Quantities, deck: read.Deck,
     if not share:
         return []
     where = _stretch(x[off]) if off.any() else "between the rows of the histories"
+    track = deck["track"]
+    run_ins = track.get("support") != "none" and track.get("run_in", 0) > 0
     return [f"wheels are off the rail in {_percent(share)} % of their time on the track, {where}; "
-            f"the share is that of all wheels and includes the run-ins; {MEANT}"]
+            f"the share is that of all wheels{' and includes the run-ins' if run_ins else ''}; "
+            f"{MEANT}"]
 
 
 def share_of_wheels(every: read.Quantities, deck: read.Deck,

@@ -88,7 +88,8 @@ def _where_reached(reaction: np.ndarray, level: float, values: np.ndarray) -> fl
 
 def summary(run: read.Results) -> str:
     """A line of text: how many sleepers hang."""
-    return f"support of sleepers in the {run.passage_name()}, {run.name}: {of(run).words()}"
+    return (f"support of sleepers in the {measures.passage_words([run])}, {run.name}: "
+            f"{of(run).words()}")
 
 
 def table(runs: collections.abc.Iterable[read.Results]) -> str:

@@ -1,7 +1,7 @@
 """The figure support.png: what carries each sleeper."""
 import matplotlib.pyplot as plt
 
-from trackbed_post import measures, panels, support
+from trackbed_post import ground_blocks, measures, panels, support
 from trackbed_post.bed_figures import needs
 
 
@@ -19,6 +19,15 @@ def mark_hanging(runs, stiff, gaps):
             label = "_"  # in one legend, once
 
 
+def explain_secants(runs, panel):
+    """Title of the panel of stiffnesses."""
+    train = all(run.has_passage() and ground_blocks.carried_by_springs(run) for run in runs)
+    ground = any(measures.has_ground(run) for run in runs)
+    panel.set_title(f"Secants from the {'row before the train' if train else 'first row'} to the "
+                    "largest\nreaction; bed alone: without gap" + (" and ground" if ground else ""),
+                    fontsize=10)
+
+
 def draw(runs):
     """Reaction of the stones over the displacement of three sleepers relative to the ground in the
     passage; stiffness of the support and gap of all sleepers; those that hang have a ring."""
@@ -30,8 +39,8 @@ def draw(runs):
         for number, k in enumerate(measures.chosen_sleepers(run)):
             loops.plot(found.lowered[:, k] * 1e3, found.reaction[:, k] / 1e3, style, lw=0.8,
                        color=f"C{number}", label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
-        for number, (of, what) in enumerate(((found.bed, "bed alone"),
-                                             (found.whole, "with ground"))):
+        both = "with gap and ground" if measures.has_ground(run) else "with gap"
+        for number, (of, what) in enumerate(((found.bed, "bed alone"), (found.whole, both))):
             stiff.plot(run.sleepers_x, of / 1e6, style, marker="o", ms=3, lw=1, color=f"C{number}",
                        label=f"{run.name}, {what}")
         line, = gaps.plot(run.sleepers_x, found.gap * 1e3, style, marker="o", ms=3, lw=1,
@@ -43,13 +52,13 @@ def draw(runs):
             panels.mark_ends(panel, run.sleepers_x, values, found.ends, colour,
                              last and colour != "C0")
         text.append(f"{run.name}: {found.words()}")
-    loops.set_xlabel("sleeper lowered relative to the ground (mm)")
+    beside = " relative to the ground" if any(map(measures.has_ground, runs)) else ""
+    loops.set_xlabel(f"sleeper lowered{beside} (mm)")
     loops.set_ylabel("reaction of the stones (kN)")
-    loops.set_title(f"Loops in the {runs[0].passage_name()}", fontsize=10)
+    loops.set_title(f"Loops in the {measures.passage_words(runs)}", fontsize=10)
     stiff.set_ylabel("stiffness of the support (kN/mm)")
     stiff.set_ylim(bottom=0)
-    stiff.set_title("Secants from the row before the train to the largest\nreaction; bed alone: "
-                    "without gap and ground", fontsize=10)
+    explain_secants(runs, stiff)
     gaps.set_ylabel("gap below the sleeper (mm)")
     gaps.set_title("\n".join(text), fontsize=10)
     for panel in (stiff, gaps):
