@@ -129,6 +129,16 @@ def wedge_length(results: read.Results) -> float:
                               if not block.structure]))
 
 
+def has_wedge(results: read.Results) -> bool:
+    """Whether a block that is no structure is present behind the edge of the structure."""
+    edge = edge_of_structure(results)
+    if edge is None:
+        return False
+    turn = direction(results, edge)
+    return any(not block.structure and np.max(turn * (block.x - edge)) > TINY
+               for block in present(results))
+
+
 def differ_by_wedge(first: read.Results, second: read.Results) -> bool:
     """Whether the first run has blocks of the ground that the second is without, none of them a
     structure, and no other difference of blocks."""

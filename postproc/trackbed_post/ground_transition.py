@@ -23,7 +23,10 @@ class Transition:
     """Displacements are downwards, stresses are compression. nan: the model has no such place."""
     edge: float                     # m, end of the structure
     structure_displacement: float   # m, largest on the structure
-    far_displacement: float         # m, median over the plain track beyond the wedge
+    far_displacement: float         # m, median over plain track
+    plain_begin: float              # m, x of the ends of plain track, the lower one first
+    plain_end: float
+    wedge: bool                     # whether a wedge is present
     width: float                    # m, from the edge to REACHED of the change
     steepest: float                 # m/m, ground displacement smoothed over one spacing, whole line
     steepest_x: float               # m, its x
@@ -129,21 +132,28 @@ def transition(results: read.Results, wedge: float = 0.0) -> Transition | None:
     end = float(np.median(down[plain])) if plain.any() else NOWHERE
     steepest, where, at_edge, on_plain = _slopes(distance, smooth, plain, reach, high - low)
     before, behind = _beside(distance, compression, 0.0, reach)
+    turn = ground_blocks.direction(results, edge)
+    places = edge + turn * distance[plain] if plain.any() else np.array([NOWHERE])
     sleeper, residual = results.sleeper_envelope.get("displacement_min"), \
         measures.residual_displacement(results)
+    known = len(residual) and measures.train_has_left(results)
     return Transition(
         edge=edge, structure_displacement=start, far_displacement=end,
+        plain_begin=float(places.min()), plain_end=float(places.max()),
+        wedge=ground_blocks.has_wedge(results),
         width=_width(distance, smooth, start, end),
-        steepest=steepest, steepest_x=edge + ground_blocks.direction(results, edge) * where,
+        steepest=steepest, steepest_x=edge + turn * where,
         edge_slope=at_edge, slope_scatter=on_plain, stress_structure=before, stress_beyond=behind,
         stress_scatter=_jumps(distance, compression, plain, reach),
         sleeper_displacement=float(np.max(-sleeper.values)) if sleeper else NOWHERE,
-        sleeper_residual=float(np.max(np.abs(residual))) if len(residual) else NOWHERE)
+        sleeper_residual=float(np.max(np.abs(residual))) if known else NOWHERE)
 
 
 ROWS = (  # label, unit, field, factor
     ("largest ground displacement on the structure", "mm", "structure_displacement", 1e3),
     ("median ground displacement on plain track", "mm", "far_displacement", 1e3),
+    ("  which begins at x =", "m", "plain_begin", 1),
+    ("  and ends at x =", "m", "plain_end", 1),
     (f"width of the transition ({REACHED:.0%} of the change)", "m", "width", 1),
     ("steepest slope of the ground displacement", "mm/m", "steepest", 1e3),
     ("  which is at x =", "m", "steepest_x", 1),
@@ -158,7 +168,17 @@ ROWS = (  # label, unit, field, factor
 )
 
 
-NO_CHANGE = ("steepest_x", "slope_scatter", "stress_scatter")  # without a relative change
+# Rows without a relative change.
+NO_CHANGE = ("plain_begin", "plain_end", "steepest_x", "slope_scatter", "stress_scatter")
+
+
+def plain_track(found: collections.abc.Sequence[Transition]) -> str:
+    """Plain track in words, of one run or of two: with its ends along x, and the wedge if there is
+    one."""
+    beyond = " beyond the wedge" if any(one.wedge for one in found) else ""
+    ends = {f"{one.plain_begin:.2f} to {one.plain_end:.2f} m" for one in found}
+    known = len(ends) == 1 and np.isfinite(found[0].plain_end)
+    return f"plain track{beyond}" + (f" (x = {ends.pop()})" if known else "")
 
 
 def table(runs: Runs, unsound: str = "") -> str:
@@ -185,16 +205,18 @@ def table(runs: Runs, unsound: str = "") -> str:
     lines += ["", "stresses: added by the passage; without weight of the bed and static "
               "preload"]
     if not np.isfinite(found[0].far_displacement):
-        lines.append("this model has no plain track beyond the wedge: the width of the transition "
-                     "is not defined")
+        lines.append(f"this model has no {plain_track(found)}: the width of the transition is not "
+                     "defined")
     moved_stones = [line for run in runs for line in measures.warnings(run)]
     lines += moved_stones
     if len(found) == 2:
         if runs[0].deck.get("stage") != runs[1].deck.get("stage"):
             lines.append("warning: the two decks differ in their stages")
         if moved_stones:
+            by_wedge = any(ground_blocks.differ_by_wedge(*pair) for pair in (runs, runs[::-1]))
+            cause = "the wedge" if by_wedge else "what the decks differ by"
             lines.append("warning: differences in the comparison below may have other causes than "
-                         "the wedge: see the warnings above")
+                         f"{cause}: see the warnings above")
         if ground_blocks.carried_by_springs(runs[0]) and \
                 runs[0].deck.get("dimension", "plane") == "plane":
             lines.append(ON_GROUND)
@@ -247,9 +269,11 @@ def effect(first: Transition, second: Transition, spacing: float, no_pair: str =
     far = Difference(first.far_displacement, second.far_displacement, 0, "mm", 1e3).change
     differs = abs(far) > CLEAR
     if np.isfinite(far):
-        lines.append(f"ground displacement on plain track beyond the wedge: {far:+.0%}: " + (
-            f"differs by more than {CLEAR:.0%}, although neither run has a wedge there: the runs "
-            "are not comparable" if differs else
+        nothing = "neither run has a wedge there" if first.wedge or second.wedge else \
+            "it is beyond the transition"
+        lines.append(f"ground displacement on {plain_track((first, second))}: {far:+.0%}: " + (
+            f"differs by more than {CLEAR:.0%}, although {nothing}: the runs are not comparable"
+            if differs else
             f"equal within {CLEAR:.0%}" + ("" if unsound else ", so the runs are comparable")))
     for what, found in differences(first, second, spacing).items():
         if np.isfinite(found.change):

@@ -241,7 +241,7 @@ def width_of(distance, level, structure, plain):
 
 
 ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3),
-        ("lowest level of the rail on plain track beyond the wedge, mm down", "plain", 1e3),
+        ("lowest level of the rail on plain track, mm down", "plain", 1e3),
         (f"distance behind the structure where {REACHED:.0%} of the change is reached, m",
          "width", 1),
         ("steepest change between two sleepers of the transition, mm/m", "steepest", 1e3),

@@ -56,9 +56,10 @@ def different_keys(first: read.Results, second: read.Results) -> list[str]:
 
 
 def why_no_verdict(trains: list[Train], changes: list[Change] | None) -> str:
-    if len(trains) < 2:
-        return "give a second run, without the wedge"
     runs = [train.run for train in trains]
+    if len(runs) < 2:
+        return "give a second run, without the wedge" if ground_blocks.has_wedge(runs[0]) else \
+            "this run has no wedge: give one with a wedge, and this one as the second"
     if no_pair := why_no_pair(*runs):
         return no_pair
     if keys := different_keys(*runs):

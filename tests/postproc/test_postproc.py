@@ -387,14 +387,18 @@ def test_structure_at_the_right_end_gives_the_same(runs):
     left, right = transition(run), transition(mirrored)
     assert right.edge == pytest.approx(last - made.EDGE)
     assert right.steepest_x == pytest.approx(last - left.steepest_x)
-    for field in {each.name for each in dataclasses.fields(left)} - {"edge", "steepest_x"}:
+    assert (right.plain_begin, right.plain_end) == pytest.approx(
+        (last - left.plain_end, last - left.plain_begin))
+    for field in {each.name for each in dataclasses.fields(left)} - {
+            "edge", "steepest_x", "plain_begin", "plain_end"}:
         assert getattr(right, field) == pytest.approx(getattr(left, field), rel=1e-9), field
 
 
 def test_table_distinguishes_the_wedge_from_its_opposite(runs):
     text = table(runs)
     assert "NOT" not in text and text.count("as expected of a wedge") == 4
-    assert "so the runs are comparable" in text
+    assert ("ground displacement on plain track beyond the wedge (x = 7.20 to 9.00 m): -0%: "
+            "equal within 10%, so the runs are comparable") in text
     assert "-71.4%" in text  # jump 20 against 70 kPa
     x = runs[0].ground_x
     worse = [with_ground(run, displacement_min=made.ground_displacement(x, wedge),
