@@ -10,12 +10,11 @@ import numpy as np
 
 from trackbed_post import (bed_figures, bed_histories, bed_warnings, figure_csv, frequencies,
                            ground_blocks, ground_transition, measures, passage_warnings, read,
-                           shades, signals, stage_histories, support, support_figure, train_strip,
-                           write)
+                           shades, signals, sleeper_histories, stage_histories, support,
+                           support_figure, write)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 from trackbed_post.panels import UP, legend_below
 
-GRAVITY = 9.81        # m/s^2
 FILTER = signals.LowPass()
 SHOWN_HZ = 20         # least upper end of the spectra
 BEYOND = 1.5          # of the highest passing frequency, to which they are shown
@@ -36,44 +35,6 @@ def mark_blocks(axes, run):
     stretches = ground_blocks.stretches(run)
     shades.shade(axes, stretches)
     shades.name(axes, stretches, z=0.02)
-
-
-def sleepers(runs):
-    """Histories of displacement, seat load, reaction and filtered acceleration in the passage."""
-    needs(all(len(run.sleepers_x) and run.sleeper for run in runs), "no sleepers")
-    train = train_strip.of_passage(runs[0])
-    places = [train_strip.Place(runs[0].sleepers_x[k], f"x = {runs[0].sleepers_x[k]:.2f} m",
-                                f"C{number}")
-              for number, k in enumerate(measures.chosen_sleepers(runs[0]))]
-    figure, panels = train_strip.panels_below(train, places, 4, (9, 10))
-    deepest = []
-    for number, run in enumerate(runs):
-        rows = run.passage()
-        time = run.time[rows] - run.time[rows][0]
-        sunk = run.sleeper["displacement"].values[rows]
-        sunk = (sunk - sunk[0]) * 1e3
-        deepest.append(np.min(sunk[:, ~ground_blocks.ends(run)]))
-        acceleration = FILTER(time, run.sleeper["acceleration"].values[rows]) / GRAVITY
-        shown = (sunk, -run.sleeper["seat_force"].values[rows] / 1e3,
-                 run.sleeper["reaction"].values[rows] / 1e3, acceleration)
-        for colour, k in enumerate(measures.chosen_sleepers(run)):
-            for panel, values in zip(panels, shown):
-                panel.plot(time, values[:, k], lw=1, ls="-" if number == 0 else "--",
-                           color=f"C{colour + 3 * number}",
-                           label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
-    labels = (f"displacement,\n{UP}", "seat load (kN, down)", "reaction of stones (kN, up)",
-              f"acceleration (g)\n{FILTER.name_for(time)}")
-    for panel, label in zip(panels, labels):
-        panel.set_ylabel(label)
-        panel.grid(alpha=0.3)
-    train_strip.mark_all(panels, train, places)
-    stage = "passage" if all(run.has_passage() for run in runs) else "last stage"
-    panels[-1].set_xlabel(f"time since the {stage} began (s)")
-    legend_below(panels[-1], len(runs))
-    panels[-1].get_legend().set_title(measures.without_ends(runs[0]) or None, {"size": 8})
-    figure.axes[0].set_title(f"Sleepers during the {stage}; lowest of all: " + ", ".join(
-        f"{run.name} {low:.3f} mm" for run, low in zip(runs, deepest)))
-    return figure
 
 
 def envelope(runs):
@@ -344,8 +305,8 @@ def overview(runs):
     return figure
 
 
-FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "stress": stress,
-           "spectrum": spectra, "force_chains": force_chains, "energy": energy,
+FIGURES = {"overview": overview, "sleepers": sleeper_histories.draw, "envelope": envelope,
+           "stress": stress, "spectrum": spectra, "force_chains": force_chains, "energy": energy,
            **bed_figures.FIGURES, **bed_histories.FIGURES, "support": support_figure.draw,
            **stage_histories.FIGURES}
 

@@ -33,11 +33,14 @@ def legend_above(panel: Axes, columns: int = 4, size: float = 8) -> None:
                  fontsize=size, frameon=False)
 
 
-def legend_below(panel: Axes, columns: int = 2, size: float = 8) -> None:
-    """A legend below the label of the panel's x axis, for panels with a title."""
+def legend_below(panel: Axes, columns: int = 2, size: float = 8,
+                 handles: collections.abc.Sequence[Artist] | None = None) -> None:
+    """A legend below the label of the panel's x axis, for panels with a title; `handles`: what it
+    shows, by default all of the panel."""
     down = ScaledTranslation(0, -BELOW_LABELS, panel.figure.dpi_scale_trans)
-    panel.legend(loc="upper center", bbox_to_anchor=(0.5, 0), ncols=columns, fontsize=size,
-                 frameon=False, borderaxespad=0, bbox_transform=panel.transAxes + down)
+    panel.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0), ncols=columns,
+                 fontsize=size, frameon=False, borderaxespad=0,
+                 bbox_transform=panel.transAxes + down)
 
 
 def extend_legend(panel: Axes, more: collections.abc.Sequence[Artist]) -> None:

@@ -6,8 +6,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import test_transition
-from trackbed_post import (bed_on_ground, ground_blocks, measures, read, stage_histories, support,
-                           support_figure, transition)
+from trackbed_post import (bed_on_ground, ground_blocks, measures, read, sleeper_histories,
+                           stage_histories, support, support_figure, transition)
 
 
 def below_train(run):
@@ -27,7 +27,7 @@ def test_histories_are_of_sleepers_within_the_bed(runs):
     run, sprung = runs[0], below_train(runs[0])
     assert measures.chosen_sleepers(run) == [1, 3, 13]     # the edge at 2 m is nearest to 2.1 m
     assert measures.chosen_sleepers(sprung) == [3, 7, 11]  # the first is the nearest one, too
-    shown = bed_on_ground.sleepers([sprung]).axes[-1].get_legend()
+    shown = sleeper_histories.draw([sprung]).axes[-1].get_legend()
     assert shown.get_title().get_text() == "without 3 sleepers at each end of the bed"
     stages = stage_histories.stages([run]).axes
     assert any(panel.get_legend() and panel.get_legend().get_title().get_text()

@@ -10,8 +10,8 @@ import matplotlib.image
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import (bed_on_ground, bed_warnings, figure_csv, measures, read, support,
-                           support_figure, write)
+from trackbed_post import (bed_on_ground, bed_warnings, figure_csv, measures, read,
+                           sleeper_histories, support, support_figure, write)
 
 
 def test_figures_of_two_runs_are_drawn(runs, tmp_path):
@@ -32,7 +32,7 @@ def test_titles_contain_the_results(runs):
     assert "wedge: 2." in title or "wedge: 1.9" in title
     assert "jump 20 kPa" in bed_on_ground.stress(runs).axes[0].get_title()
     assert "without weight of the bed and static" in bed_on_ground.stress(runs).axes[0].get_title()
-    assert bed_on_ground.FILTER.name in bed_on_ground.sleepers(runs).axes[3].get_ylabel()
+    assert bed_on_ground.FILTER.name in sleeper_histories.draw(runs).axes[3].get_ylabel()
     assert "thickest line 0.9 kN" in bed_on_ground.force_chains(runs).axes[0].get_title()
     bed_on_ground.plt.close("all")
 

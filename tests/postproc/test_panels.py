@@ -49,8 +49,8 @@ def drawn_transition(monkeypatch):
 
 def test_legends_are_outside_of_the_curves(runs, monkeypatch):
     figures = [drawn_transition(monkeypatch), support_figure.draw(runs),
-               *(getattr(bed_on_ground, name)(runs)
-                 for name in ("envelope", "sleepers", "stress", "spectra")),
+               *(bed_on_ground.FIGURES[name](runs)
+                 for name in ("envelope", "sleepers", "stress", "spectrum")),
                train_figures.draw(train_figures.Passing(*test_train.made()), [])]
     for figure in figures:
         figure.canvas.draw()

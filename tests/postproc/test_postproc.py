@@ -9,7 +9,8 @@ import h5py
 import made
 import numpy as np
 import pytest
-from trackbed_post import bed_on_ground, frequencies, ground_blocks, measures, read, signals
+from trackbed_post import (bed_on_ground, frequencies, ground_blocks, measures, read, signals,
+                           sleeper_histories)
 from trackbed_post.ground_transition import table, transition
 
 LOW_PASS_RIPPLE = 1e-3    # allowed loss of a 10 Hz sine below 100 Hz: (10/100)^8 is far less
@@ -114,7 +115,7 @@ def test_run_stopped_before_its_passage_is_reported(tmp_path):
         assert f"{name}.png is skipped: {reason}\n" in ran.stdout, ran.stdout
     assert f"no transition to measure: {reason}" in ran.stdout
     assert "residual displacement" not in ran.stdout and "have a gap" not in ran.stdout
-    assert "Sleepers during the last stage" in bed_on_ground.sleepers(
+    assert "Sleepers during the last stage" in sleeper_histories.draw(
         [read.results(folder)]).axes[0].get_title()
     bed_on_ground.plt.close("all")
 

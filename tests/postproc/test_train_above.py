@@ -7,8 +7,8 @@ import made
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import (axles, bed_histories, bed_on_ground, measures, read, stage_histories,
-                           track_figures, train_strip)
+from trackbed_post import (axles, bed_histories, measures, read, sleeper_histories,
+                           stage_histories, track_figures, train_strip)
 
 TIME = np.arange(0, 1, 1e-3)
 
@@ -78,7 +78,7 @@ def with_train(folder):
 
 def test_the_train_is_above_the_histories_of_sleepers(tmp_path):
     run = with_train(tmp_path / "one")
-    figure = bed_on_ground.sleepers([run])
+    figure = sleeper_histories.draw([run])
     strip, first = figure.axes[:2]
     assert len(figure.axes) == 5 and strip.get_ylabel() == "train as\nit passes"
     at = run.sleepers_x[measures.chosen_sleepers(run)[0]]
@@ -90,7 +90,7 @@ def test_the_train_is_above_the_histories_of_sleepers(tmp_path):
 
 
 def test_a_bed_without_train_has_its_four_panels(runs):
-    figure = bed_on_ground.sleepers(runs)
+    figure = sleeper_histories.draw(runs)
     assert len(figure.axes) == 4
     plt.close(figure)
 
