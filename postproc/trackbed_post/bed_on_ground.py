@@ -88,9 +88,9 @@ def stress(runs):
     return figure
 
 
-def peak_text(peak, reach):
+def peak_text(peak, reach, height, unit):
     return f"no peak that stands out within {reach:.2g} Hz" if peak is None \
-        else f"peak at {peak:.2f} Hz"
+        else f"peak at {peak:.2f} Hz, {height:.3g} {unit}"
 
 
 SPECTRA = {"acceleration": ("m/s2", 1), "displacement": ("mm", 1e3), "seat_force": ("kN", 1e-3)}
@@ -114,27 +114,40 @@ def peaks_of(frequency, amplitude, marks):
             for name, target in marks.items()}
 
 
-def mark_peaks(panel, frequency, amplitude, marks, colour):
-    """Rings around the peaks at passing frequencies; whether there are any."""
-    found = [peak for peak in peaks_of(frequency, amplitude, marks).values() if peak is not None]
-    panel.plot(found, np.interp(found, frequency, amplitude), "o", ms=7, mfc="none", color=colour)
-    return bool(found)
+def mark_peaks(panel, spectrum, marks, colour, label):
+    """Rings around the peaks of a (frequency, amplitude) at passing frequencies."""
+    found = [peak for peak in peaks_of(*spectrum, marks).values() if peak is not None]
+    panel.plot(found, np.interp(found, *spectrum), "o", ms=7, mfc="none", color=colour,
+               label=label)
+
+
+def lines_of_peaks(name, spectrum, marks):
+    """Those of the table for one quantity: each passing frequency and its peak."""
+    unit = SPECTRA[name][0]
+    return [f"  {name.replace('_', ' '):<16}{f'{mark} = {marks[mark]:.2f} Hz':<24}"
+            + peak_text(peak, frequencies.reach(marks, mark),
+                        peak and np.interp(peak, *spectrum), unit)
+            for mark, peak in peaks_of(*spectrum, marks).items()]
 
 
 def table_of_peaks(runs):
-    """Text: peaks of the spectra near the passing frequencies; empty where there are none."""
+    """Text: peaks of the spectra near the passing frequencies, those that have rings in the figure;
+    empty where there are none."""
     lines = []
     for run in runs:
         marks = frequencies.of_passage(run)
         if not marks or not run.sleeper or signals.step_of(run.time[run.passage()]) is None:
             continue
         lines += ["", f"spectra of sleepers near the passing frequencies, {run.name}"]
-        for name in ("acceleration", "seat_force"):
-            found = peaks_of(*spectrum_of(run, name), marks)
-            lines += [f"  {name.replace('_', ' '):<16}{f'{mark} = {target:.2f} Hz':<24}"
-                      f"{peak_text(found[mark], frequencies.reach(marks, mark))}"
-                      for mark, target in marks.items()]
+        for name in SPECTRA:
+            lines += lines_of_peaks(name, spectrum_of(run, name), marks)
     return "\n".join(lines) + "\n" if lines else ""
+
+
+def shown_by_name(panels):
+    """The lines of all panels that show something, those of one name once."""
+    return list({line.get_label(): line for panel in panels for line in panel.lines
+                 if len(line.get_xdata()) and not line.get_label().startswith("_")}.values())
 
 
 def spectra(runs):
@@ -144,13 +157,13 @@ def spectra(runs):
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(9, 9))
     marks = frequencies.of_passage(runs[0])
     shown_hz = max(SHOWN_HZ, BEYOND * max(marks.values(), default=0))
-    ringed = False
     for run, colour in zip(runs, COLOURS):
         for panel, (name, (unit, _)) in zip(panels, SPECTRA.items()):
             frequency, mean = spectrum_of(run, name)
             shown = frequency <= shown_hz
             panel.plot(frequency[shown], mean[shown], color=colour, lw=1, label=run.name)
-            ringed |= mark_peaks(panel, frequency, mean, frequencies.of_passage(run), colour)
+            mark_peaks(panel, (frequency, mean), frequencies.of_passage(run), colour,
+                       f"{run.name}, peak at a passing frequency")
             panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
     for panel in panels:
         for mark, target in marks.items():
@@ -163,9 +176,7 @@ def spectra(runs):
     left_out = measures.without_ends(runs[0])
     words = ", ".join(f"{mark} = {target:.1f} Hz" for mark, target in marks.items())
     panels[-1].set_xlabel("frequency (Hz)")
-    if ringed:
-        panels[-1].plot([], [], "ko", ms=7, mfc="none", label="peak at a passing frequency")
-    legend_below(panels[-1])
+    legend_below(panels[-1], handles=shown_by_name(panels))
     panels[0].set_title(f"Spectra of sleepers, root mean square {left_out or 'over all'}\n{words}",
                         fontsize=10)
     return figure

@@ -1,11 +1,12 @@
 """Tests that side lobes of a train's own frequencies are not called peaks."""
+import csv
 import dataclasses
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import test_postproc
-from trackbed_post import bed_on_ground, frequencies, read, signals
+from trackbed_post import bed_on_ground, figure_csv, frequencies, read, signals
 
 HERTZ = np.arange(0, 100, 0.05)
 LOBES = np.abs(np.cos(np.pi * HERTZ / 2.4))  # 2.4 Hz apart
@@ -37,19 +38,27 @@ def test_how_far_a_peak_may_be_from_its_frequency():
 def test_the_table_and_the_figure_name_the_same_peaks(runs):
     run = test_postproc.with_train(runs[0], test_postproc.WAGONS[:4], 1)
     time = run.time - run.time[run.passage()][0]
-    force = -1e3 * np.sin(2 * np.pi * 20 / 1.8 * time)[:, None] * np.ones((1, 15))
-    run = dataclasses.replace(run, sleeper={**run.sleeper, "seat_force": read.Quantity(
-        force, "N", "-")})
+    wave = np.sin(2 * np.pi * 20 / 1.8 * time)[:, None] * np.ones((1, 15))
+    run = dataclasses.replace(run, sleeper={
+        **run.sleeper, "seat_force": read.Quantity(-1e3 * wave, "N", "-"),
+        "displacement": read.Quantity(-2e-3 * wave, "m", "-")})
     text = bed_on_ground.table_of_peaks([run])
-    lines = [line.split() for line in text.splitlines() if "seat force" in line]
-    assert [line[-2:] for line in lines if line[2] == "v/L_w"] == [["11.10", "Hz"]]
-    assert [line[6:12] for line in lines if line[2] != "v/L_w"] == 2 * [
-        "no peak that stands out within".split()]
+    lines = [line for line in text.splitlines() if "seat force" in line]
+    assert [line.split("Hz", 1)[1].strip() for line in lines if "v/L_w" in line] == [
+        "peak at 11.10 Hz, 0.999 kN"]
+    assert sum("no peak that stands out within" in line for line in lines) == 2
+    moved, = (line for line in text.splitlines() if "displacement" in line and "v/L_w" in line)
+    assert moved.endswith("peak at 11.10 Hz, 2 mm")
     figure = bed_on_ground.spectra([run])
-    rings = [line for line in figure.axes[2].lines if line.get_marker() == "o"]
-    assert rings[0].get_xdata() == pytest.approx([11.1]) and len(rings[1].get_xdata()) == 0
+    ring, = (line for line in figure.axes[2].lines if line.get_marker() == "o")
+    assert ring.get_xdata() == pytest.approx([11.1])
     words = [text.get_text() for text in figure.axes[2].get_legend().texts]
-    assert words == ["wedge", "peak at a passing frequency"]
+    assert words == ["wedge", "wedge, peak at a passing frequency"]
+    rows = [row for row in csv.DictReader(figure_csv.of_figure(figure).splitlines())
+            if row["line"] == "wedge, peak at a passing frequency"]
+    rings = [(row["y axis"], row["x"]) for row in rows]
+    assert ("displacement (mm)", "11.1") in rings and ("seat force (kN)", "11.1") in rings
+    assert len(rings) == text.count("peak at ")
     assert [text.get_text() for text in figure.axes[0].texts] == [" v/L_c", " v/L_w", " v/s"]
     plt.close("all")
 
