@@ -6,7 +6,8 @@ numbers: docs/track.md.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import axles, ground_blocks, panels, passage_warnings, read, shades
+from trackbed_post import (axles, ground_blocks, measures, panels, passage_warnings, read,
+                           shades)
 
 SHOWN_WHEELS = len(panels.MARKERS)  # the first wheels are shown
 
@@ -43,9 +44,10 @@ class Passing:
         def rows_of(name):
             values = every[f"history/{name}"].values
             return values.reshape(len(values), -1)
-        rows = train_rows(rows_of("wheel/x"), run.name)
+        wheel_x = rows_of("wheel/x")
+        rows = train_rows(wheel_x, run.name)
         self.time = run.time[rows]
-        wheels = rows_of("wheel/x")[rows]
+        wheels = wheel_x[rows]
         rails = 2 if axles.on_two_rails(wheels) else 1
         self.x = axles.of_wheels(wheels)
         self.force = rows_of("wheel/force")[rows].reshape(len(rows), -1, rails)
@@ -59,6 +61,8 @@ class Passing:
         self.lowest = under_axles(self.x, self.sleepers_x,
                                   self.displacement - self.displacement[self.first], self.spacing)
         self.left = self.displacement[-1] - self.displacement[self.first]
+        self.has_left = axles.have_passed(axles.of_wheels(wheel_x[rows[0]:]), self.sleepers_x[-1])
+        self.on_ground = measures.has_ground(run)
 
     def on_bed(self):
         """Whether each axle is over the bed's sleepers, [time, axle]."""
@@ -72,6 +76,11 @@ class Passing:
     def sunk_since_first(self):
         """[axle, sleeper], m: how much lower a sleeper is under an axle than under the first."""
         return self.lowest[0] - self.lowest
+
+    def reference(self):
+        """The row from which displacements count, in words."""
+        far = self.x[self.first, 0] <= self.sleepers_x[0] - axles.APART
+        return "the last row before the train" if far else "the first row with the train"
 
 
 def numbers(passing):
@@ -105,10 +114,24 @@ def numbers(passing):
     found["rail above the sleepers, largest downward displacement"] = (
         1e3 * (passing.rail[passing.first] - passing.rail).max(), "mm")
     left = -1e3 * passing.left
-    residual = "residual downward displacement of sleepers, ground included"
-    found[f"{residual}, mean"] = (left.mean(), "mm")
-    found[f"{residual}, largest"] = (left.max(), "mm")
+    last = ("residual downward displacement of sleepers" if passing.has_left else
+            "downward displacement of sleepers in the last row, train not past all of them")
+    last += ", ground included" if passing.on_ground else ""
+    found[f"{last}, mean"] = (left.mean(), "mm")
+    found[f"{last}, largest"] = (left.max(), "mm")
     return found
+
+
+def draw_left(panel, passing):
+    """What the last train leaves, and how much lower each axle finds a sleeper than the first."""
+    for axle in range(1, min(SHOWN_WHEELS, passing.x.shape[1])):
+        panel.plot(passing.sleepers_x, -1e3 * passing.sunk_since_first()[axle], lw=0.9,
+                   marker=panels.MARKERS[axle], ms=3.5, color=f"C{axle}",
+                   label=f"lowest under {panels.axle(axle, False)}, less that under axle 1")
+    panel.plot(passing.sleepers_x, 1e3 * passing.left, "k^--", ms=4, lw=0.9,
+               label="after the train" if passing.has_left else
+               "in the last row, train not past all sleepers")
+    panel.set(ylabel=f"vertical displacement\nof sleepers, {panels.UP}", xlabel="x, m")
 
 
 def draw(passing, stretches):
@@ -121,17 +144,13 @@ def draw(passing, stretches):
             side = ", right" if rail else ", left" if passing.force.shape[2] == 2 else ""
             wheels.plot(passing.x[:, axle], force / 1e3, "--" if rail else "-", lw=0.8,
                         color=f"C{axle}", label=words + side)
-        line = {"marker": panels.MARKERS[axle], "ms": 3.5, "lw": 0.9, "color": f"C{axle}"}
-        down.plot(passing.sleepers_x, 1e3 * passing.lowest[axle], label=words, **line)
-        if axle:
-            left.plot(passing.sleepers_x, -1e3 * passing.sunk_since_first()[axle],
-                      label=f"under {words} relative to axle 1", **line)
-    left.plot(passing.sleepers_x, 1e3 * passing.left, "k^--", ms=4, lw=0.9,
-              label="after the train relative to before")
-    figure.suptitle("Train over the bed", fontsize=11)
+        down.plot(passing.sleepers_x, 1e3 * passing.lowest[axle], label=words, lw=0.9,
+                  marker=panels.MARKERS[axle], ms=3.5, color=f"C{axle}")
+    draw_left(left, passing)
+    figure.suptitle(f"Train over the bed; displacements relative to {passing.reference()}",
+                    fontsize=11)
     wheels.set(ylabel="wheel force, kN")
-    down.set(ylabel=f"lowest displacement of\neach sleeper, {panels.UP}")
-    left.set(ylabel=f"change of height of\nsleepers, {panels.UP}", xlabel="x, m")
+    down.set(ylabel=f"lowest vertical displacement\nof sleepers, {panels.UP}")
     low, high = passing.sleepers_x[0], passing.sleepers_x[-1]
     wheels.set_xlim(low - 4 * passing.spacing, high + 4 * passing.spacing)
     for panel in (wheels, down, left):

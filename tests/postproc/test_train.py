@@ -25,8 +25,8 @@ def made(trains=1):
              "history/rail/displacement": np.vstack([nan[:, :1].repeat(3, 1), 1.5 * down]),
              "history/sleeper/displacement": np.vstack([np.zeros((1, 3)), down])}
     run = types.SimpleNamespace(name="made", sleepers_x=sleepers,
-                                time=np.concatenate([[-0.01], time]),
-                                deck={"sleepers": {"spacing": 1.0}})
+                                time=np.concatenate([[-0.01], time]), ground_x=np.empty(0),
+                                deck={"sleepers": {"spacing": 1.0}, "ground": {"present": True}})
     return run, {name: read.Quantity(values, "-", "made for a test")
                  for name, values in every.items()}
 
@@ -73,6 +73,51 @@ def test_run_without_rows_of_a_train_is_refused():
     every["history/wheel/x"].values[:] = np.nan
     with pytest.raises(read.Unreadable, match="made: no row of the histories has a train"):
         train_figures.Passing(run, every)
+
+
+def labels_of_left(passing):
+    figure = train_figures.draw(passing, [])
+    words = [line.get_label() for line in figure.axes[2].lines]
+    plt.close(figure)
+    return words
+
+
+def test_axes_name_displacements_and_their_reference():
+    figure = train_figures.draw(train_figures.Passing(*made()), [])
+    _, down, left = (" ".join(panel.get_ylabel().split()) for panel in figure.axes)
+    assert down.startswith("lowest vertical displacement of sleepers, mm")
+    assert left.startswith("vertical displacement of sleepers, mm")
+    title = "Train over the bed; displacements relative to the "
+    assert figure._suptitle.get_text() == title + "last row before the train"
+    plt.close(figure)
+    run, every = made()
+    run.sleepers_x = run.sleepers_x - 2  # the train begins 1 m before the bed
+    figure = train_figures.draw(train_figures.Passing(run, every), [])
+    assert figure._suptitle.get_text() == title + "first row with the train"
+    plt.close(figure)
+    assert labels_of_left(train_figures.Passing(*made())) == [
+        "lowest under axle 2, less that under axle 1", "after the train"]
+
+
+def test_nothing_is_residual_while_the_train_is_on_the_bed():
+    run, every = made()
+    rows = int(np.flatnonzero(every["history/wheel/x"].values[:, 1] > 4.5)[0])
+    every = {name: read.Quantity(one.values[:rows], "-", "-") for name, one in every.items()}
+    run.time = run.time[:rows]
+    passing = train_figures.Passing(run, every)
+    assert labels_of_left(passing)[-1] == "in the last row, train not past all sleepers"
+    found = train_figures.numbers(passing)
+    assert not any("residual" in name for name in found)
+    last = "downward displacement of sleepers in the last row, train not past all of them"
+    assert found[f"{last}, ground included, mean"][1] == "mm"
+
+
+def test_on_a_rigid_floor_no_ground_is_included():
+    run, every = made()
+    run.deck["ground"]["present"] = False
+    names = list(train_figures.numbers(train_figures.Passing(run, every)))
+    assert "residual downward displacement of sleepers, largest" in names
+    assert not any("ground" in name for name in names)
 
 
 def test_two_rails_are_distinguished():
@@ -140,7 +185,7 @@ def test_levels_of_a_train_count_from_the_row_before_it():
         ("wheel/x", x[:, None]), ("wheel/force", np.full((6, 1), 5e4)),
         ("rail/displacement", 2 * sleeper), ("sleeper/displacement", sleeper))}
     run = types.SimpleNamespace(name="made", time=time, sleepers_x=np.array([0.0, 0.6]),
-                                deck={"sleepers": {"spacing": 0.6}})
+                                ground_x=np.empty(0), deck={"sleepers": {"spacing": 0.6}})
     passing = train_figures.Passing(run, every)
     assert passing.first == 2
     assert passing.left == pytest.approx(-4e-4)
