@@ -197,7 +197,7 @@ def opened(part, path):
 def balls_of(stones):
     """Points with a radius as spheres; None if there are none."""
     alone = simple.ExtractCellsByType(registrationName="balls", Input=stones,
-                                      CellTypes=["Vertex"])
+                                      CellTypes=["Vertex", "Poly Vertex"])
     alone.UpdatePipeline()
     if alone.GetDataInformation().GetNumberOfCells() == 0:
         simple.Delete(alone)

@@ -106,7 +106,8 @@ def actors_of(name, grid, colouring=None, cuts=()):
             actor.GetMapper().AddClippingPlane(plane)
     kinds = vtk.vtkCellTypes()
     grid.GetCellTypes(kinds)
-    faces, lines = (vtk.VTK_POLYGON, vtk.VTK_TRIANGLE), (vtk.VTK_LINE, vtk.VTK_VERTEX)
+    faces = vtk.VTK_POLYGON, vtk.VTK_TRIANGLE
+    lines = vtk.VTK_LINE, vtk.VTK_VERTEX, vtk.VTK_POLY_VERTEX
     alone = kinds.GetCellType(0) if kinds.GetNumberOfTypes() == 1 else faces[0]
     if alone in lines or (colouring and alone not in faces):
         actors[0].GetProperty().LightingOff()

@@ -124,17 +124,21 @@ def hull(boxes, grid):
 
 
 def centres_of_balls(grid):
-    """(cells, centres, radii) of the cells of one point that have a radius, or None."""
+    """((cells, nodes), centres, radii) of the balls: points with a radius of cells that consist of
+    points; None if there are none."""
     from vtk.util.numpy_support import vtk_to_numpy
     import numpy as np
     import vtk
     radius = grid.GetPointData().GetArray("radius")
     if radius is None:
         return None
-    cells = np.flatnonzero(vtk_to_numpy(grid.GetCellTypesArray()) == vtk.VTK_VERTEX)
-    if not len(cells):
+    of_points = np.isin(vtk_to_numpy(grid.GetCellTypesArray()), (vtk.VTK_VERTEX,
+                                                                 vtk.VTK_POLY_VERTEX))
+    if not of_points.any():
         return None
-    offsets = vtk_to_numpy(grid.GetCells().GetOffsetsArray())
-    nodes = vtk_to_numpy(grid.GetCells().GetConnectivityArray())[offsets[cells]]
+    lengths = np.diff(vtk_to_numpy(grid.GetCells().GetOffsetsArray()))
+    cells = np.repeat(np.arange(len(lengths)), lengths)
+    nodes = vtk_to_numpy(grid.GetCells().GetConnectivityArray())[of_points[cells]]
+    cells = cells[of_points[cells]]
     return ((cells, nodes), vtk_to_numpy(grid.GetPoints().GetData())[nodes],
             vtk_to_numpy(radius).ravel()[nodes])

@@ -22,8 +22,6 @@ std::string at(const std::string& name) { return std::string(root) + "/" + name;
 // Number of nodes of VTK's cells; the enumerators are VTK's own cell numbers.
 std::size_t nodes_per_cell(CellKind kind) {
   switch (kind) {
-    case CellKind::vertex:
-      return 1;
     case CellKind::line:
       return 2;
     case CellKind::triangle:
@@ -34,6 +32,7 @@ std::size_t nodes_per_cell(CellKind kind) {
       return 8;
     case CellKind::quadratic_tetrahedron:
       return 10;
+    case CellKind::poly_vertex:
     case CellKind::polygon:
       break;  // any number
   }
@@ -86,7 +85,7 @@ void write_cells(File& file, const Grid& grid, std::size_t cells) {
 }  // namespace
 
 void Grid::add(CellKind of, std::span<const std::int64_t> nodes) {
-  require(nodes_per_cell(of) == nodes.size() || of == CellKind::polygon,
+  require(nodes_per_cell(of) == nodes.size() || nodes_per_cell(of) == 0,
           "each cell of a grid has all its points");
   kinds.push_back(of);
   cells.insert(cells.end(), nodes.begin(), nodes.end());

@@ -42,6 +42,54 @@ io::Grid empty_like(const io::Grid& grid) {
   return empty;
 }
 
+constexpr double distance_of_rail_points = 0.15;  // m, a quarter of the usual spacing of sleepers
+
+class TrainGrid {
+ public:
+  // Points of one rail and their upward displacements, which the points contain, m.
+  void add_rail(const std::vector<Vec3>& points, const std::vector<double>& displacement) {
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      add_cell(io::CellKind::line, {points[i], points[i + 1]}, -1, 0);
+      for (std::size_t end = i; end < i + 2; ++end) add_displacement(displacement[end]);
+    }
+  }
+  // A wheel of `radius` (m) that stands on the rail at `foot`; `force`, N, on the rail.
+  void add_wheel(const Vec3& foot, double radius, std::size_t wheel, double force,
+                 double displacement) {
+    constexpr int corners = 32;
+    std::vector<Vec3> rim;
+    for (int k = 0; k < corners; ++k) {
+      const double angle = 2 * std::numbers::pi * k / corners;
+      rim.emplace_back(foot.x() + radius * std::cos(angle), foot.y(),
+                       foot.z() + radius * (1 + std::sin(angle)));
+      add_displacement(displacement);
+    }
+    add_cell(io::CellKind::polygon, rim, static_cast<double>(wheel), force);
+  }
+  io::Grid take() {
+    grid_.cell_data = {std::move(wheel_), std::move(force_)};
+    grid_.point_data = {std::move(moved_)};
+    return std::move(grid_);
+  }
+
+ private:
+  void add_cell(io::CellKind kind, const std::vector<Vec3>& corners, double wheel, double force) {
+    std::vector<std::int64_t> nodes(corners.size());
+    std::iota(nodes.begin(), nodes.end(), static_cast<std::int64_t>(grid_.points.size()));
+    grid_.points.insert(grid_.points.end(), corners.begin(), corners.end());
+    grid_.add(kind, nodes);
+    wheel_.values.push_back(wheel);
+    force_.values.push_back(force);
+  }
+  void add_displacement(double up) { moved_.values.insert(moved_.values.end(), {0, 0, up}); }
+
+  io::Grid grid_;
+  io::FieldData moved_{
+      "displacement", {"m", "x y z, of rails and wheels, contained in the shape"}, 3, {}},
+      wheel_{"wheel", {"-", "number, front first; -1: rail"}, 1, {}, true},
+      force_{"wheel_force", {"N", "of the wheel on the rail, down positive; 0: rail"}, 1, {}};
+};
+
 }  // namespace
 
 FieldSeries::FieldSeries(const par::Comm& comm, const FieldFiles& files)
@@ -66,59 +114,31 @@ void FieldSeries::write_on_root(std::string_view part, const std::function<io::G
   });
 }
 
-TrainGrid::TrainGrid()
-    : wheel_{"wheel", {"-", "number, front first; -1: rail"}, 1, {}, true},
-      force_{"wheel_force", {"N", "of the wheel on the rail, down positive; 0: rail"}, 1, {}} {}
-
-void TrainGrid::add_cell(io::CellKind kind, const std::vector<Vec3>& corners, double wheel,
-                         double force) {
-  std::vector<std::int64_t> nodes(corners.size());
-  std::iota(nodes.begin(), nodes.end(), static_cast<std::int64_t>(grid_.points.size()));
-  grid_.points.insert(grid_.points.end(), corners.begin(), corners.end());
-  grid_.add(kind, nodes);
-  wheel_.values.push_back(wheel);
-  force_.values.push_back(force);
-}
-
-void TrainGrid::add_rail(const std::vector<Vec3>& points, const std::vector<double>& displacement) {
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    add_cell(io::CellKind::line, {points[i], points[i + 1]}, -1, 0);
-    for (std::size_t end = i; end < i + 2; ++end)
-      displacement_.push_back(displacement.empty() ? 0 : displacement[end]);
+io::Grid rails_and_wheels(const track::Passage& passage, const track::Train& train,
+                          const TrainPlace& place) {
+  TrainGrid grid;
+  const double length = passage.line().length();
+  const auto parts = static_cast<int>(std::ceil(length / distance_of_rail_points));
+  for (std::size_t side = 0; side < passage.line().sides(); ++side) {
+    std::vector<Vec3> points;
+    std::vector<double> up;
+    for (int k = 0; k <= parts; ++k) {
+      const double x = length * k / parts;
+      up.push_back(passage.rail_displacement(x, side));
+      points.emplace_back(place.origin + x, place.across(side), place.level(x, side) + up.back());
+    }
+    grid.add_rail(points, up);
   }
-}
-
-void TrainGrid::add_wheel(const Vec3& foot, double radius, std::size_t wheel, double force,
-                          double displacement) {
-  constexpr int corners = 32;
-  std::vector<Vec3> rim;
-  for (int k = 0; k < corners; ++k) {
-    const double angle = 2 * std::numbers::pi * k / corners;
-    rim.emplace_back(foot.x() + radius * std::cos(angle), foot.y(),
-                     foot.z() + radius * (1 + std::sin(angle)));
+  for (std::size_t i = 0; i < train.wheels().size(); ++i) {
+    const track::Train::Wheel& wheel = train.wheels()[i];
+    const double x = passage.wheel_x(i);
+    // An axle of constant force has no height of its own.
+    const double up =
+        wheel.unknown >= 0 ? passage.wheel_height(i) : passage.rail_displacement(x, wheel.side);
+    grid.add_wheel({place.origin + x, place.across(wheel.side), place.level(x, wheel.side) + up},
+                   place.wheel_radius, i, passage.wheel_force(i), up);
   }
-  add_cell(io::CellKind::polygon, rim, static_cast<double>(wheel), force);
-  displacement_.insert(displacement_.end(), corners, displacement);
-}
-
-io::Grid TrainGrid::take(bool with_displacements) {
-  grid_.cell_data = {std::move(wheel_), std::move(force_)};
-  if (with_displacements) {
-    io::FieldData moved{
-        "displacement", {"m", "x y z, of rails and wheels, contained in the shape"}, 3, {}};
-    for (const double up : displacement_) moved.values.insert(moved.values.end(), {0, 0, up});
-    grid_.point_data = {std::move(moved)};
-  }
-  return std::move(grid_);
-}
-
-double height_of_rail(const std::vector<Vec3>& points, double x) {
-  const auto after =
-      std::find_if(points.begin(), points.end(), [x](const Vec3& point) { return point.x() > x; });
-  if (after == points.begin()) return points.front().z();
-  if (after == points.end()) return points.back().z();
-  const Vec3 &a = *(after - 1), &b = *after;
-  return a.z() + (b.z() - a.z()) * (x - a.x()) / (b.x() - a.x());
+  return grid.take();
 }
 
 }  // namespace trackbed::observe

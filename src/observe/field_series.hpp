@@ -11,6 +11,7 @@
 
 #include "trackbed/io/fields.hpp"
 #include "trackbed/observe/results.hpp"
+#include "trackbed/track/passage.hpp"
 
 namespace trackbed::observe {
 
@@ -29,30 +30,17 @@ class FieldSeries {
   const FieldFiles& files_;
 };
 
-// Rails as lines, wheels as disks on them.
-class TrainGrid {
- public:
-  TrainGrid();
-  // Points of one rail, m, and, if they are known, their upward displacements, which the points
-  // contain.
-  void add_rail(const std::vector<Vec3>& points, const std::vector<double>& displacement = {});
-  // A wheel of `radius` (m), number `wheel`, that stands on the rail at `foot`; `force`, N, on the
-  // rail.
-  void add_wheel(const Vec3& foot, double radius, std::size_t wheel, double force,
-                 double displacement = 0);
-  // With the displacements, or without if they are not known.
-  io::Grid take(bool with_displacements);
-
- private:
-  void add_cell(io::CellKind kind, const std::vector<Vec3>& corners, double wheel, double force);
-
-  io::Grid grid_;
-  std::vector<double> displacement_;  // m, of each point
-  io::FieldData wheel_, force_;
+// Where a drawn train is.
+struct TrainPlace {
+  double origin;        // m, x of the model at the start of the track
+  double wheel_radius;  // m
+  // m, y and z of the rail `side` without load, at x of the track.
+  std::function<double(std::size_t side)> across;
+  std::function<double(double x, std::size_t side)> level;
 };
 
-// m, of a rail of points in order of x, where a wheel at x stands; beyond its ends as high as
-// there.
-double height_of_rail(const std::vector<Vec3>& points, double x);
+// Rails of the whole track as lines, wheels as disks on them, with their displacements.
+io::Grid rails_and_wheels(const track::Passage& passage, const track::Train& train,
+                          const TrainPlace& place);
 
 }  // namespace trackbed::observe

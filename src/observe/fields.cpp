@@ -3,9 +3,6 @@
 // depends on the ranks; what all ranks know is written by the root.
 #include "trackbed/io/fields.hpp"
 
-#include <algorithm>
-#include <limits>
-
 #include "observe/field_series.hpp"
 #include "trackbed/track/rail.hpp"
 
@@ -13,47 +10,53 @@ namespace trackbed::observe {
 
 namespace {
 
-// Polyhedra as their faces, balls as points with a radius, which a viewer shows as spheres. Values
-// are those of cells, since all corners of a stone have the same.
+// Polyhedra as their faces, all balls of a stone as points of one cell, with a radius, which a
+// viewer shows as spheres. Values are those of cells, since all points of a stone have the same.
 io::Grid stone_shapes(const dem::Particles& particles, double gravity) {
   io::Grid grid;
   io::FieldData radius{"radius", {"m", "of a ball; of the ball around a piece with faces"}, 1, {}},
       velocity{"velocity", {"m/s", "of the stone's centre of mass"}, 3, {}},
+      rotation{"angular_velocity", {"rad/s", "of the stone"}, 3, {}},
       force{"force", {"N", "sum of the contact forces on the stone, dashpots included"}, 3, {}},
       acceleration{
           "acceleration", {"m/s2", "of the centre of mass in the last sub-step, no filter"}, 3, {}},
+      mass{"mass", {"kg", "of the whole stone; plane: over the thickness"}, 1, {}},
       id{"stone", {"-", "number of the stone"}, 1, {}, true};
-  std::vector<std::int64_t> nodes;
+  std::vector<std::int64_t> nodes, balls;
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const dem::ParticleView stone = particles[i];
     const Vec3 accelerated = stone.acceleration(gravity);
-    const auto add = [&](io::CellKind kind) {
-      grid.add(kind, nodes);
+    const auto add = [&](io::CellKind kind, std::span<const std::int64_t> of) {
+      grid.add(kind, of);
       id.values.push_back(static_cast<double>(stone.id));
+      mass.values.push_back(stone.mass);
       for (int k = 0; k < 3; ++k) {
         velocity.values.push_back(stone.velocity[k]);
+        rotation.values.push_back(stone.spin[k]);
         force.values.push_back(stone.force[k]);
         acceleration.values.push_back(accelerated[k]);
       }
     };
+    balls.clear();
     particles.outlines(i, [&](const dem::PieceOutline& piece) {
       const auto first = static_cast<std::int64_t>(grid.points.size());
       if (piece.faces.empty()) {
         grid.points.push_back(piece.centre);
-        nodes.assign(1, first);
-        add(io::CellKind::vertex);
+        balls.push_back(first);
       }
       grid.points.insert(grid.points.end(), piece.corners.begin(), piece.corners.end());
       for (const std::vector<int>& face : piece.faces) {
         nodes.clear();
         for (const int corner : face) nodes.push_back(first + corner);
-        add(io::CellKind::polygon);
+        add(io::CellKind::polygon, nodes);
       }
       radius.values.resize(grid.points.size(), piece.radius);
     });
+    if (!balls.empty()) add(io::CellKind::poly_vertex, balls);
   }
   grid.point_data = {std::move(radius)};
-  grid.cell_data = {std::move(velocity), std::move(force), std::move(acceleration), std::move(id)};
+  grid.cell_data = {std::move(velocity),     std::move(rotation), std::move(force),
+                    std::move(acceleration), std::move(mass),     std::move(id)};
   return grid;
 }
 
@@ -138,39 +141,33 @@ io::Grid surface_triangles(const Scene& scene) {
   return grid;
 }
 
-// m, to the left.
-double aside(const TrainView& train, std::size_t side) {
-  return train.rails == 1 ? 0 : (side == 0 ? 0.5 : -0.5) * train.gauge;
+// m, of the unloaded rail `side` at x of the track: straight between the seats of the bed, where it
+// was placed on the sleepers, and beyond them as high as above the outermost.
+double level_of_rail(const TrainView& train, double x, std::size_t side) {
+  const track::Line& line = train.running.line();
+  const std::vector<double>& levels = train.running.levels_without_load();
+  const std::size_t sides = line.sides(), count = levels.size() / sides;
+  const auto at = [&](std::size_t i) { return line.sleeper_x(line.first_moved() + i); };
+  const auto level = [&](std::size_t i) { return levels[i * sides + side]; };
+  std::size_t after = 0;
+  while (after < count && at(after) < x) ++after;
+  if (after == 0 || after == count) return level(after == 0 ? 0 : count - 1);
+  const double part = (x - at(after - 1)) / (at(after) - at(after - 1));
+  return level(after - 1) + part * (level(after) - level(after - 1));
 }
 
-// Points of a rail above the sleepers, as the surfaces are drawn: without the pads' compression.
-std::vector<Vec3> rail_above(const Scene& scene, double y) {
-  std::vector<Vec3> points;
-  for (const SceneSurface& each : scene.surfaces)
-    if (each.part == SceneSurface::Part::sleeper) {
-      double highest = -std::numeric_limits<double>::infinity();
-      const Surface& sleeper = *each.surface;
-      for (std::size_t k = 0; k < sleeper.nodes(); ++k)
-        highest = std::max(highest, sleeper.position[k].z() + sleeper.motion[k].z());
-      points.emplace_back(scene.sleepers->x(points.size()), y, highest + track::drawn_rail_height);
-    }
-  return points;
-}
-
-io::Grid rails_and_wheels(const Scene& scene, const TrainView& train) {
-  TrainGrid grid;
-  std::vector<std::vector<Vec3>> rails;
-  for (std::size_t side = 0; side < train.rails; ++side) {
-    rails.push_back(rail_above(scene, aside(train, side)));
-    grid.add_rail(rails.back());
-  }
-  for (std::size_t i = 0; i < train.running.train().wheels().size(); ++i) {
-    const std::size_t side = i % train.rails;
-    const double x = train.running.wheel_x(i);
-    grid.add_wheel({x, aside(train, side), height_of_rail(rails[side], x)}, train.wheel_radius, i,
-                   train.running.passage().wheel_force(i));
-  }
-  return grid.take(false);
+io::Grid train_over_bed(const TrainView& train) {
+  const double top = train.sleeper_top + track::drawn_rail_height;
+  return rails_and_wheels(
+      train.running.passage(), train.running.train(),
+      {.origin = train.running.origin(),
+       .wheel_radius = train.wheel_radius,
+       .across =
+           [&train](std::size_t side) {
+             return train.rails == 1 ? 0 : (side == 0 ? 0.5 : -0.5) * train.gauge;
+           },
+       .level = [&train, top](double x,
+                              std::size_t side) { return top + level_of_rail(train, x, side); }});
 }
 
 }  // namespace
@@ -188,8 +185,7 @@ void write_fields(const par::Comm& comm, const FieldFiles& files, const Scene& s
   if (scene.ground) series.write("ground", [&] { return scene.ground->fields(); });
   if (!scene.surfaces.empty())
     series.write_on_root("surfaces", [&] { return surface_triangles(scene); });
-  if (train && scene.sleepers)
-    series.write_on_root("train", [&] { return rails_and_wheels(scene, *train); });
+  if (train) series.write_on_root("train", [&] { return train_over_bed(*train); });
   if (scene.bodies) series.write("solids", [&] { return scene.bodies->fields(comm); });
 }
 

@@ -1,7 +1,6 @@
 // Field files of a track: rails, sleepers and wheels, and the ground below them.
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "observe/field_series.hpp"
 #include "trackbed/observe/passage.hpp"
@@ -11,36 +10,18 @@ namespace trackbed::observe {
 
 namespace {
 
-constexpr double distance_of_rail_points = 0.15;  // m, a quarter of the usual spacing of sleepers
-
 class PassageShapes {
  public:
   PassageShapes(const track::Passage& passage, const track::Train& train, const TrackShape& shape)
       : passage_(passage), line_(passage.line()), train_(train), shape_(shape) {}
 
   io::Grid rails_and_wheels() const {
-    TrainGrid grid;
-    const auto parts = static_cast<int>(std::ceil(line_.length() / distance_of_rail_points));
-    for (std::size_t side = 0; side < line_.sides(); ++side) {
-      std::vector<Vec3> points;
-      std::vector<double> up;
-      for (int k = 0; k <= parts; ++k) {
-        const double x = line_.length() * k / parts;
-        up.push_back(passage_.rail_displacement(x, side));
-        points.emplace_back(shape_.origin + x, y_of_rail(side), rail_level() + up.back());
-      }
-      grid.add_rail(points, up);
-    }
-    for (std::size_t i = 0; i < train_.wheels().size(); ++i) {
-      const track::Train::Wheel& wheel = train_.wheels()[i];
-      const double x = passage_.wheel_x(i);
-      // An axle of constant force has no height of its own.
-      const double up =
-          wheel.unknown >= 0 ? passage_.wheel_height(i) : passage_.rail_displacement(x, wheel.side);
-      grid.add_wheel({shape_.origin + x, y_of_rail(wheel.side), rail_level() + up},
-                     shape_.wheel_radius, i, passage_.wheel_force(i), up);
-    }
-    return grid.take(true);
+    return observe::rails_and_wheels(
+        passage_, train_,
+        {.origin = shape_.origin,
+         .wheel_radius = shape_.wheel_radius,
+         .across = [this](std::size_t side) { return y_of_rail(side); },
+         .level = [this](double, std::size_t) { return rail_level(); }});
   }
 
   // Boxes of six faces, which follow the two ends of a sleeper.

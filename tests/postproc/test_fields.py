@@ -14,7 +14,7 @@ from PIL import Image
 
 from trackbed_post import actors, grids, instants, read, scene, transition
 
-VERTEX, LINE, TRIANGLE, POLYGON, HEXAHEDRON = 1, 3, 5, 7, 12  # types of VTK
+VERTICES, LINE, TRIANGLE, POLYGON, HEXAHEDRON = 2, 3, 5, 7, 12  # types of VTK
 RADIUS = 0.25       # m, of the three stones at x = 0.5, 1.5, 2.5, z = 0.3
 SPEEDS = ((2, 2, 2), (2, 4, 0), (2, 1, 0))  # m/s, of each stone at the instants
 TIMES = (0.1, 0.2, 0.5)
@@ -55,7 +55,7 @@ def write_grid(path, points, cells, kinds, point_data=None, cell_data=None):
 def write_stones(path, speeds):
     velocity = np.zeros((3, 3))
     velocity[:, 2] = -np.array(speeds)
-    write_grid(path, [[0.5, 0, 0.3], [1.5, 0, 0.3], [2.5, 0, 0.3]], [[0], [1], [2]], VERTEX,
+    write_grid(path, [[0.5, 0, 0.3], [1.5, 0, 0.3], [2.5, 0, 0.3]], [[0], [1], [2]], VERTICES,
                {"radius": ([RADIUS, RADIUS, 0.9 * RADIUS], "m")}, {"velocity": (velocity, "m/s")})
 
 

@@ -91,6 +91,22 @@ def check_acceleration(deck, saved, found):
         raise SystemExit(f"accelerations {found['CellData/acceleration']}, wanted {wanted} m/s2")
 
 
+def check_motion(deck, saved, found):
+    """Masses, and angular velocities of balls: angular momentum over moment of inertia."""
+    given = tomllib.loads(deck.read_text(encoding="utf-8"))
+    radius = found["PointData/radius"].ravel()
+    mass = given["material"][0]["density"] * 4 / 3 * np.pi * radius**3
+    if not np.allclose(found["CellData/mass"].ravel(), mass, rtol=1e-6):
+        raise SystemExit(f"masses {found['CellData/mass']}, wanted {mass} kg")
+    order = np.argsort(saved["particles/id"].ravel())
+    at = order[np.searchsorted(saved["particles/id"].ravel()[order],
+                               found["CellData/stone"].ravel())]
+    spin = saved["particles/angular_momentum"][at] / (0.4 * mass * radius**2)[:, None]
+    shown = found["CellData/angular_velocity"].reshape(-1, 3)
+    if not np.abs(spin).max() > 0 or not np.allclose(shown, spin, rtol=1e-6, atol=1e-9):
+        raise SystemExit(f"angular velocities {shown}, wanted {spin} rad/s")
+
+
 def check_contacts(made, saved):
     """`to_centre` leads from each end of a contact to its stone, and files state their time."""
     file, = (made / "fields").glob("*_contacts.hdf")
@@ -117,8 +133,9 @@ def check_balls(program, source, folder):
     program.done(1, "run", source / "inputs/verify/impact.toml", *SHORT, "-o", made)
     file, = (made / "fields").glob("*_stones.hdf")
     _, _, kinds, found = cells_of(file)
-    if set(kinds) != {1} or not (found["PointData/radius"] > 0).all():
+    if set(kinds) != {2} or not (found["PointData/radius"] > 0).all():
         raise SystemExit(f"a ball is a point with its radius: {found}")
+    check_motion(source / "inputs/verify/impact.toml", checkpoint(made), found)
 
 
 def main():

@@ -16,7 +16,7 @@
 namespace trackbed::io {
 
 enum class CellKind : std::uint8_t {
-  vertex = 1,
+  poly_vertex = 2,  // points that belong together
   line = 3,
   triangle = 5,
   polygon = 7,
@@ -38,7 +38,7 @@ struct FieldData {
 // `add` has given each its own.
 struct Grid {
   std::vector<Vec3> points;  // m
-  CellKind kind = CellKind::vertex;
+  CellKind kind = CellKind::line;
   std::vector<std::int64_t> cells;               // point numbers, cell after cell
   std::vector<CellKind> kinds;                   // of each cell, if they differ
   std::vector<std::int64_t> ends;                // of these cells, as numbers of entries in `cells`

@@ -192,6 +192,7 @@ struct TrainView {
   const track::TrainOnBed& running;
   std::size_t rails;    // 1 or 2
   double wheel_radius;  // m
+  double sleeper_top;   // m, z of the bed's sleepers as placed
   double gauge;         // m, between the rails; 0: one rail
 };
 

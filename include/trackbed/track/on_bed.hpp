@@ -78,6 +78,7 @@ class TrainOnBed {
   const std::vector<double>& levels_without_load() const;
   // m, of one seat since the rail was placed, including the contribution of `mobility`.
   double seat_displacement(std::size_t i, std::size_t side) const;
+  double origin() const;                // m, x of the bed at the start of the track
   double wheel_x(std::size_t i) const;  // m, x of the bed
   // m, above the i-th sleeper of the bed, since the rail was placed.
   double rail_displacement(std::size_t i, std::size_t side = 0) const;

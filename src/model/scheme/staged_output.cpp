@@ -61,9 +61,9 @@ void StagedScheme::write_fields(const std::string& name, const std::vector<std::
   const observe::TrainInstant train = actions_.train().instant();
   std::optional<observe::TrainView> view;
   if (train.running)
-    view.emplace(observe::TrainView{*train.running, train.rails,
-                                    model_.track.wheel_rail.bodies.wheel_radius,
-                                    model_.sleepers.gauge});
+    view.emplace(observe::TrainView{
+        *train.running, train.rails, model_.track.wheel_rail.bodies.wheel_radius,
+        world_.sleepers->bottom() + model_.sleepers.height, model_.sleepers.gauge});
   observe::write_fields(comm_, run_.field_files(name, parts), world_.scene(),
                         view ? &*view : nullptr);
 }

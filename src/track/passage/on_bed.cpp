@@ -181,6 +181,7 @@ void TrainOnBed::advance(const std::vector<double>& levels, const std::vector<do
   impl.passage.advance();
 }
 
+double TrainOnBed::origin() const { return impl_->begin; }
 double TrainOnBed::wheel_x(std::size_t i) const { return impl_->begin + impl_->passage.wheel_x(i); }
 
 double TrainOnBed::rail_displacement(std::size_t i, std::size_t side) const {

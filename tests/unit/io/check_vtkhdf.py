@@ -51,12 +51,13 @@ if cells:
     expect(stress.tolist(), [[0, 1, 2, 3, 4, 5]] * cells, "stress")
 
 particles = read("particles")
-expect(particles.GetNumberOfPoints(), 5 * ranks, "particles")
-expect(particles.GetNumberOfCells(), 5 * ranks, "particle cells")
-expect(particles.GetCellType(0), vtk.VTK_VERTEX, "particle cell type")
+expect(particles.GetNumberOfPoints(), 6 * ranks, "particles")
+expect([particles.GetCell(c).GetNumberOfPoints() for c in range(particles.GetNumberOfCells())],
+       [1, 2, 3] * ranks, "points of particles")
+expect(particles.GetCellType(0), vtk.VTK_POLY_VERTEX, "particle cell type")
 kinds = read("kinds")
 expect([kinds.GetCellType(c) for c in range(kinds.GetNumberOfCells())],
-       [vtk.VTK_POLYGON] + [vtk.VTK_VERTEX, vtk.VTK_POLYGON] * (ranks - 1), "kinds of cells")
+       [vtk.VTK_POLYGON] + [vtk.VTK_POLY_VERTEX, vtk.VTK_POLYGON] * (ranks - 1), "kinds of cells")
 expect([kinds.GetCell(c).GetNumberOfPoints() for c in range(kinds.GetNumberOfCells())],
        [5] + [1, 4] * (ranks - 1), "points of these cells")
 expect(read("nothing").GetNumberOfPoints(), 0, "points of nothing")

@@ -43,12 +43,19 @@ TEST(Fields, WritesPiecesSomeOfThemEmpty) {
   EXPECT_NO_THROW(write_fields(world(), name_of("cubes"), cubes(world().rank())));
 }
 
-TEST(Fields, WritesSeparateParticles) {
+// Three stones of one, two and three balls.
+TEST(Fields, WritesParticlesOfSeveralPoints) {
   Grid grid;
-  for (int i = 0; i < 5; ++i) {
-    grid.points.emplace_back(i, world().rank(), 0);
-    grid.cells.push_back(i);
+  std::vector<std::int64_t> balls;
+  for (int stone = 0; stone < 3; ++stone) {
+    balls.clear();
+    for (int i = 0; i <= stone; ++i) {
+      balls.push_back(static_cast<std::int64_t>(grid.points.size()));
+      grid.points.emplace_back(stone, world().rank(), i);
+    }
+    grid.add(CellKind::poly_vertex, balls);
   }
+  EXPECT_EQ(grid.cell_count(), 3U);
   EXPECT_NO_THROW(write_fields(world(), name_of("particles"), grid));
 }
 
@@ -62,7 +69,7 @@ TEST(Fields, WritesCellsOfSeveralKinds) {
     grid.points.emplace_back(std::cos(angle), world().rank(), std::sin(angle));
     rim.push_back(i);
   }
-  if (world().rank() > 0) grid.add(CellKind::vertex, std::array<std::int64_t, 1>{0});
+  if (world().rank() > 0) grid.add(CellKind::poly_vertex, std::array<std::int64_t, 1>{0});
   grid.add(CellKind::polygon, rim);
   EXPECT_EQ(grid.cell_count(), world().rank() > 0 ? 2U : 1U);
   EXPECT_NO_THROW(write_fields(world(), name_of("kinds"), grid));
