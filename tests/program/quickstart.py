@@ -8,10 +8,12 @@ import shutil
 import subprocess
 import sys
 
+import numpy as np
 from PIL import Image
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import checkpoint, histories  # noqa: E402
 
 # A loose bed, hardly bedded in; the train passes at 900 m/s.
 CELL = ["stage.fill.duration=0.15", "stage.compact.duration=0.1", "platen.speed=2",
@@ -52,6 +54,25 @@ def figures(source, folder, *runs, film=False):
     return (made / "transition.txt").read_text(encoding="utf-8")
 
 
+def check_ends(made):
+    """The loose bed does not match the springs beside it: a warning at each end states the lowest
+    displacements of the rail in the last stage."""
+    warnings = [text for text in summary(made)["warnings"] if "does not match the bed" in text]
+    lowest = 1e3 * checkpoint(made)["run/rail_ends/lowest"].reshape(4, 3)
+    rail = 1e3 * histories(made)["rail/displacement"]
+    rows = np.nanmin(rail[:, [0, 1, 2, -3, -2, -1]], axis=0)
+    bed = lowest[[0, 2]].ravel()  # of all windows, and so at most that of the rows
+    if not (bed <= rows + 1e-9).all() or not np.allclose(bed, rows, rtol=0.02):
+        raise SystemExit(f"lowest displacements of the rail {bed}, of the rows {rows} mm")
+    for end, where in enumerate(("start", "end")):
+        stones, springs = -lowest[2 * end:2 * end + 2].mean(axis=1)
+        text, = (each for each in warnings if f"at the {where} of the bed" in each)
+        stated = [f"{stones:.2g} mm above the", f"{springs:.2g} mm above the",
+                f"about {(springs / stones)**(4 / 3):.2g} times"]
+        if not all(words in text for words in stated):
+            raise SystemExit(f"{stones} mm on stones and {springs} mm on springs: {text}")
+
+
 def main():
     program, source, folder = Program(sys.argv[1]), *map(pathlib.Path, sys.argv[2:4])
     shutil.rmtree(folder, ignore_errors=True)
@@ -62,6 +83,7 @@ def main():
     stages = [stage["name"] for stage in summary(folder / "wedge")["stages"]]
     if stages != STAGES:
         raise SystemExit(f"the deck has the stages {stages}")
+    check_ends(folder / "wedge")
     program.done(1, "run", *deck, *NO_WEDGE, f"start={folder / 'wedge/stage_bed_in.h5'}", "-o",
                  folder / "no_wedge")
     both = " ".join(figures(source, folder, "wedge", "no_wedge", film=True).split())

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/scene/world.hpp"
+#include "trackbed/model/course.hpp"
 
 namespace trackbed::model {
 

@@ -95,7 +95,7 @@ void StageTrain::take_away() {
 
 void StageTrain::send(double step, RailState rail, double ramp) {
   const TrackModel& t = model_.track;
-  forces_ = {};
+  forces_ = {}, ends_ = {};
   step_ = step;
   track::TrainOnBedParameters parameters{.line = t.line,
                                          .vehicles = t.vehicles,
@@ -129,6 +129,7 @@ void StageTrain::move(std::int64_t trains, const Clock& clock) {
   train_->advance(levels(), rates());
   if (world_.solids) apply_pad_forces();
   record_wheels();
+  ends_.observe(*train_, world_.sleepers->count());
   const std::int64_t window = clock.window(), windows = clock.windows();
   const auto number = [&](std::int64_t done) { return done * trains / windows; };
   if (window + 1 < windows && number(window + 1) > number(window)) train_->restart_train();
@@ -153,6 +154,7 @@ void StageTrain::archive(io::Archive& a, double step) {
         {"m",
          "heights of the rail seats at which the pads of the last train's rail carry no load"});
   a.part("run/wheels", forces_);
+  a.part("run/rail_ends", ends_);
 }
 
 }  // namespace trackbed::model

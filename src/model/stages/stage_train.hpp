@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "model/coupling/rail_ends.hpp"
 #include "model/coupling/wheel_extremes.hpp"
 #include "model/scene/world.hpp"
 #include "trackbed/core/clock.hpp"
@@ -38,6 +39,9 @@ class StageTrain {
   // train.
   const WheelExtremes& wheel_forces() const { return forces_; }
 
+  // Of the rail at the ends of the bed, in the last stage with a train.
+  const RailEnds& rail_ends() const { return ends_; }
+
   // `step`: s, window of the stage. After the sleepers' state.
   void archive(io::Archive& a, double step);
 
@@ -56,6 +60,7 @@ class StageTrain {
   // which has them, and before the first.
   std::vector<double> rail_;
   WheelExtremes forces_;
+  RailEnds ends_;
   double step_ = 0;  // s
   std::size_t wheels_ = 0, bodies_ = 0;
 };
