@@ -6,6 +6,7 @@
 The copies are at rest as the cell is, joints are like any other place, results do not depend on
 ranks or stops, and a checkpoint that cannot be a cell is refused before anything runs.
 """
+import re
 import shutil
 import sys
 from pathlib import Path
@@ -155,6 +156,13 @@ def check_sentences(bench):
         ran = bench.program(1, "check", of, f"bed.cell={bench.cell}", *TILE, *changes)
         if ran.returncode != 2 or any(word not in ran.stderr for word in words):
             raise SystemExit(f"{changes} must be refused with {words}:\n{ran.stdout}{ran.stderr}")
+    # Stones are copied: what describes them in this deck has no effect, and is warned of.
+    ran = bench.program.done(1, "check", deck, f"bed.cell={bench.cell}", *TILE, "bed.height=0.1",
+                             "bed.sieve=[20, 30, 40, 50]", "bed.passing=[0, 30, 60, 100]")
+    for key in ("height = 0.1 (0.09 in ", "sieve = [", "passing = ["):
+        if not re.search(rf"warning: .*bed\.{re.escape(key)}.*has no effect on them",
+                         ran.stdout + ran.stderr):
+            raise SystemExit(f"bed.{key} must be warned of:\n{ran.stdout}{ran.stderr}")
     ran = bench.program(1, "run", deck, f"bed.cell={bench.cell}", *TILE, "bed.x=[0, 1.7]", "-o",
                         bench.folder / "nowhere")
     if ran.returncode != 2 or (bench.folder / "nowhere").exists():

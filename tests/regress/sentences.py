@@ -178,6 +178,11 @@ WARNED = {"stage.passage.ground_moves=false":
               "holds the ground, which moves in a stage before: it keeps its deformation",
           "stage.load.settlement=0.2": "usual values (at most 0.01 m)",
           f"{TRAIN} train.speed=120": "usual values (1 to 100 m/s)",
+          f"{TRAIN} stage.load.load=4e3": "loads each rail seat by 5 kN together with seat_force",
+          f"{TRAIN} bed.x=[0,1.8] ground.x=[0,1.8]":
+              "sleepers over 0.3 m before the first and 0.9 m behind the last one",
+          "ground.layer.soil.young=200e3": "usual values",
+          "ground.block.structure.young=9.9e12": "usual values",
           f"{TRAIN} pad.damping=25": "is small: usually at least 100 N s/m; is it meant in kN s/m?",
           f"{TRAIN} output.history_interval=0.05 train.speed=40":
               "lets the train move 2 m between two rows of the histories",

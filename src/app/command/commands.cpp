@@ -48,13 +48,17 @@ std::string checked_start(const model::Model& model, const input::Deck& deck, Wa
   return start;
 }
 
-// Warns of changed contact stiffnesses of a cell; `require_stones` checks all other conditions.
+// Warns of a cell with other contact stiffnesses or stones; `require_stones` checks all other
+// conditions.
 void look_at_cell(const model::Model& model, const input::Deck& deck, Warnings& warnings) {
   if (model.bed.cell.empty()) return;
   const par::Comm& comm = warnings.comm;
   const std::string cell = io::choose_checkpoint(comm, model.bed.cell, io::IfDamaged::refuse).file;
-  warnings.add(
-      changed_springs(io::open_checkpoint(comm, cell), cell, model::effective_deck(model), deck));
+  const io::File file = io::open_checkpoint(comm, cell);
+  const std::string effective = model::effective_deck(model);
+  warnings.add(changed_springs(file, cell, effective, deck));
+  if (!model.has_stage(model::StageKind::cribs))
+    warnings.add(changed_stones(file, cell, effective, deck));
 }
 
 // Of a finished run only the passage of a track can become longer.

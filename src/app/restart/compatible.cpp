@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <vector>
 
@@ -256,6 +257,32 @@ std::size_t stage_after(const io::File& checkpoint, const std::string& path,
         "after stage \"{}\", the last stage of this deck: no stage is left; add a stage after it",
         name));
   return number + 1;
+}
+
+namespace {
+
+// Parameters of a bed that a bed of copies has for itself, and not from its cell.
+bool is_of_copies(const std::string& key) {
+  constexpr std::array own = {"bed.x", "bed.y", "bed.cell", "bed.crest", "bed.slope", "bed.seed"};
+  return std::find(own.begin(), own.end(), key) != own.end();
+}
+
+}  // namespace
+
+std::vector<std::string> changed_stones(const io::File& cell, const std::string& path,
+                                        const std::string& effective, const input::Deck& deck) {
+  const Values then = values_of(cell.text_attribute("/", "deck"));
+  std::vector<std::string> sentences;
+  for (const auto& [key, value] : values_of(effective)) {
+    const auto before = then.find(key);
+    if (!key.starts_with("bed.") || is_of_copies(key) || !deck.sets(key)) continue;
+    if (before == then.end() || before->second == value) continue;
+    sentences.push_back(
+        fmt::format("{} = {} ({} in {}): stones are copied from this cell, so that the value has "
+                    "no effect on them; give that of the cell, or make another cell",
+                    deck.where(key), value, before->second, path));
+  }
+  return sentences;
 }
 
 }  // namespace trackbed::app

@@ -35,4 +35,9 @@ std::size_t stage_after(const io::File& checkpoint, const std::string& path,
 std::vector<std::string> changed_springs(const io::File& checkpoint, const std::string& path,
                                          const std::string& effective, const input::Deck& deck);
 
+// A sentence for each parameter that describes the stones of a bed and differs from that of the
+// cell from which they are copied.
+std::vector<std::string> changed_stones(const io::File& cell, const std::string& path,
+                                        const std::string& effective, const input::Deck& deck);
+
 }  // namespace trackbed::app

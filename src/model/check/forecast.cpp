@@ -45,10 +45,10 @@ Cut cut_of(const Model& model) {
   return cut;
 }
 
-std::string sentence_of(const LayerForecast& layer, const Cut& cut) {
-  const std::string made =
-      fmt::format("  {}: {} stones are poured",
-                  layer.layer.empty() ? "layer of [bed]" : "layer " + layer.layer, layer.made);
+std::string sentence_of(const LayerForecast& layer, const Cut& cut, bool copies) {
+  const std::string made = fmt::format(
+      "  {}: {} stones are {}", layer.layer.empty() ? "layer of [bed]" : "layer " + layer.layer,
+      layer.made, copies ? "copies of those of the cell" : "poured");
   const bool trims = cut.crest > 0, places = cut.sleepers_from >= 0;
   if (!trims && !places) return made;
   return fmt::format("{}; about {} of them remain after {}{}{}", made, layer.left,
@@ -149,7 +149,7 @@ std::vector<std::string> sentences_of(const Model& model,
   std::vector<std::string> lines;
   for (const LayerForecast& layer : layers)
     if (layers.size() > 1 || !layer.layer.empty() || layer.left != layer.made)
-      lines.push_back(sentence_of(layer, cut_of(model)));
+      lines.push_back(sentence_of(layer, cut_of(model), !model.bed.cell.empty()));
   return lines;
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 // Warns of moduli in another unit and of rows outside of the ground, which have no effect.
 std::vector<std::string> warnings_of_young(const Model& model, const input::Deck& deck) {
-  constexpr double softest = 1e5, stiffest = 1e12;  // Pa, as usual for ground.layer[].young
+  constexpr double softest = 5e5, stiffest = 3e11;  // Pa, as usual for ground.layer[].young
   std::vector<std::string> warnings;
   for (std::size_t l = 0; l < model.ground.layers.size(); ++l) {
     const std::string& path = model.ground.layers[l].young_file;

@@ -30,7 +30,7 @@ std::vector<std::string> idle_sections(const Model& model) {
 }
 
 // A rail can be kept only after a train that ran on it.
-void declare_rails(const Model& model, input::Section& s) {
+void declare_kept_rails(const Model& model, input::Section& s) {
   bool before = false;
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     const Stage& stage = model.stages[i];
@@ -62,7 +62,7 @@ void declare_presence(const Model& model, input::Section& s) {
     s.rule(fmt::format("stage[{}].train", i),
            !model.stages[i].train || model.stages[i].kind == StageKind::passage,
            "is for stages of kind passage only", {.reads = {"stage"}});
-  declare_rails(model, s);
+  declare_kept_rails(model, s);
   const std::optional<double> stop = model.track.stop();
   for (std::size_t i = 0; i < model.stages.size(); ++i)
     s.rule(fmt::format("stage[{}].duration", i),
@@ -137,6 +137,51 @@ void declare_place(const Model& model, input::Section& s) {
       "must be given and be at most 0 m on a bed: the train comes from the rigid rail before the "
       "track",
       {.reads = {"train", "stage"}});
+}
+
+// Beside the outermost sleepers of the bed are sleepers on springs, which should be beyond its
+// ends.
+void declare_ends(const Model& model, input::Section& s) {
+  const track::SleeperParameters& bed = model.sleepers;
+  const std::vector<double>& x = model.bed.x;
+  if (!model.has_bed() || x.size() != 2) return;
+  // At an end a bed may continue by one and a half spacings, as at that of a row of cells.
+  const auto more = [&](double space) {
+    return std::llround(std::clamp(std::ceil(space / bed.spacing - 1.5 - alike), 0.0, 1e6));
+  };
+  const long long before = more(bed.first - x[0]), behind = more(x[1] - bed.last());
+  s.rule("sleepers.count", before + behind == 0,
+         fmt::format("leaves the bed (x = {:g} to {:g} m) without sleepers over {:.3g} m before "
+                     "the first and {:.3g} m behind the last one: the rail lies there on springs "
+                     "([ballast]) instead of stones; {} more would cover it",
+                     x[0], x[1], std::max(0.0, bed.first - x[0]), std::max(0.0, x[1] - bed.last()),
+                     before + behind),
+         {.severity = input::Severity::warning, .reads = {"sleepers", "bed", "track", "stage"}});
+}
+
+// A rail distributes the load of a wheel over several sleepers; that below it carries a third to
+// two thirds. A bed that was loaded by less than it is to carry settles under the train.
+void declare_bedding_in(const Model& model, input::Section& s) {
+  constexpr double least = 0.3;  // of the load of a wheel
+  const std::optional<track::Train> train = train_of(model.track);
+  if (!train) return;
+  double wheel = 0;  // N
+  for (const track::Train::Wheel& each : train->wheels())
+    wheel = std::max(wheel, each.unknown < 0 ? each.force : each.mean_load);
+  wheel *= std::min(1.0, model.seat.rails);  // a slice carries a part of the rail
+  double loaded = 0;                         // N
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < model.stages.size() && !model.stages[i].train; ++i)
+    if (const Stage& stage = model.stages[i]; stage.kind == StageKind::load) {
+      const double load = stage.load + stage.seat_force;
+      if (load > loaded) loaded = load, last = i;
+    }
+  s.rule(fmt::format("stage[{}].load", last), loaded == 0 || loaded >= least * wheel,
+         fmt::format("loads each rail seat by {:.3g} kN together with seat_force, less than {:g} "
+                     "times the largest static wheel load, {:.3g} kN: the train brings more, and "
+                     "the bed settles under it",
+                     loaded / 1e3, least, wheel / 1e3),
+         {.severity = input::Severity::warning, .reads = {"stage", "train", "vehicle", "track"}});
 }
 
 // The bed's sleepers have their own mass and lie on stones: zones affect only rail, pads
@@ -275,6 +320,8 @@ void declare_train(const Model& model, input::Section& s) {
   if (!model.has_train()) return;
   declare_arrivals(model, s);
   declare_place(model, s);
+  declare_ends(model, s);
+  declare_bedding_in(model, s);
   declare_zones(model, s);
   if (model.track.is_countable()) {
     declare_ballast_mass(model.track, model.seat.before, model.sleepers.count, s);
