@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 
+import h5py
 import numpy as np
 from PIL import Image
 
@@ -73,6 +74,29 @@ def check_ends(made):
             raise SystemExit(f"{stones} mm on stones and {springs} mm on springs: {text}")
 
 
+def check_rail(made):
+    """Field files have the rail of the whole track, with the displacements of the histories above
+    the sleepers of the bed; without these it has the same height at all times."""
+    found = histories(made)
+    levels = []
+    for path in sorted((made / "fields").glob("train_*_train.hdf")):
+        with h5py.File(path) as file:
+            group = file["VTKHDF"]
+            ends = 2 * int((group["CellData/wheel"][:] < 0).sum())  # two points of each line
+            x, _, z = group["Points"][:ends].astype(float).T
+            moved = group["PointData/displacement"][:ends, 2].astype(float)
+            time = group["FieldData/TimeValue"][0]
+        row = np.argmin(np.abs(found["time"].ravel() - time))
+        at = [np.argmin(np.abs(x - 0.6 * (k + 1))) for k in range(31)]
+        off = np.abs(moved[at] - found["rail/displacement"][row]).max()
+        # A row may be up to half an interval of rows, 0.5 ms, before or after the file.
+        if not np.allclose((x.min(), x.max()), (-9.0, 31.8), atol=1e-4) or off > 5e-4:
+            raise SystemExit(f"{path}: rail from {x.min()} to {x.max()} m, off by {off} m")
+        levels.append(z - moved)
+    if len(levels) < 3 or np.ptp(levels, axis=0).max() > 1e-6:
+        raise SystemExit(f"the unloaded rail moves: {levels}")
+
+
 def main():
     program, source, folder = Program(sys.argv[1]), *map(pathlib.Path, sys.argv[2:4])
     shutil.rmtree(folder, ignore_errors=True)
@@ -84,6 +108,7 @@ def main():
     if stages != STAGES:
         raise SystemExit(f"the deck has the stages {stages}")
     check_ends(folder / "wedge")
+    check_rail(folder / "wedge")
     program.done(1, "run", *deck, *NO_WEDGE, f"start={folder / 'wedge/stage_bed_in.h5'}", "-o",
                  folder / "no_wedge")
     both = " ".join(figures(source, folder, "wedge", "no_wedge", film=True).split())
