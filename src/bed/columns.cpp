@@ -2,7 +2,7 @@
 // its own stones, so any rank can generate any part, in time proportional to that part.
 //
 // Cost: in a plane O(1) per stone; in space `tries` trial positions, each compared with the upper
-// stones of the column, as many as lie in a few layers of it.
+// stones near it.
 // Rejected alternatives are in docs/decisions/packing.md.
 #include "columns.hpp"
 
@@ -59,35 +59,73 @@ std::int64_t fitting(double length, double width, const char* what) {
   return columns;
 }
 
+// Cells of the floor of a column of `stones`, along each side: some four stones wide, if the column
+// is as high as it is wide.
+std::int64_t cells_of(std::int64_t stones) {
+  return std::clamp<std::int64_t>(std::llround(std::cbrt(static_cast<double>(stones)) / 4), 1, 64);
+}
+
 // Combines `widest` narrow columns into one; a bed too narrow for that is one column.
 std::int64_t wider(std::int64_t columns) { return std::max<std::int64_t>(1, columns / widest); }
 
 }  // namespace
 
+Heap::Heap(const Vec3& size, std::int64_t cells)
+    : width_{size.x() / static_cast<double>(cells), size.y() / static_cast<double>(cells)},
+      cells_(cells),
+      all_(static_cast<std::size_t>(cells * cells)) {}
+
+// Two balls that touch are both above the cell below the place of contact. The tolerance keeps it
+// for both, whatever the rounding.
+template <class Visit>
+void Heap::cells_below(double x, double y, double radius, Visit visit) const {
+  constexpr double rounding = 1e-9;  // of a cell
+  const auto number = [&](double at, double width) {
+    return std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(at / width)), 0,
+                                    cells_ - 1);
+  };
+  const double beyond = radius + rounding * std::max(width_[0], width_[1]);
+  const std::int64_t first = number(x - beyond, width_[0]), last = number(x + beyond, width_[0]);
+  const std::int64_t low = number(y - beyond, width_[1]), high = number(y + beyond, width_[1]);
+  for (std::int64_t i = first; i <= last; ++i)
+    for (std::int64_t j = low; j <= high; ++j) visit(static_cast<std::size_t>(i * cells_ + j));
+}
+
 // The highest top of this and all earlier balls states where the search may end.
 void Heap::add(const geom::Sphere& ball) {
-  const double top = ball.centre.z() + ball.radius;
-  x_.push_back(ball.centre.x()), y_.push_back(ball.centre.y()), z_.push_back(ball.centre.z());
-  radius_.push_back(ball.radius);
-  highest_.push_back(highest_.empty() ? top : std::max(top, highest_.back()));
+  const double x = ball.centre.x(), y = ball.centre.y(), top = ball.centre.z() + ball.radius;
+  cells_below(x, y, ball.radius, [&](std::size_t number) {
+    Cell& cell = all_[number];
+    cell.x.push_back(x), cell.y.push_back(y), cell.z.push_back(ball.centre.z());
+    cell.radius.push_back(ball.radius);
+    cell.highest.push_back(cell.highest.empty() ? top : std::max(top, cell.highest.back()));
+  });
+}
+
+double Heap::height_on(double x, double y, double r, double limit) const {
+  double height = r;
+  cells_below(x, y, r, [&](std::size_t number) {
+    if (height < limit) height = height_on(all_[number], x, y, r, limit, height);
+  });
+  return height;
 }
 
 // For two spheres in contact the distance of centres is r + R:
 //   (z - Z)^2 = (r + R)^2 - dx^2 - dy^2;   without a real root the spheres do not touch.
 // So z is at most Z + R + r. From the latest ball, which is near the top, to earlier ones, several
 // at once: those beyond the end of the search do not change the maximum.
-double Heap::height_on(double x, double y, double r, double limit) const {
+double Heap::height_on(const Cell& cell, double x, double y, double r, double limit,
+                       double height) {
   constexpr double rounding = 1e-9;  // of a height
   constexpr std::size_t at_once = 16;
-  double height = r;
-  for (std::size_t end = x_.size();
-       end > 0 && height < limit && (highest_[end - 1] + r) * (1 + rounding) > height;) {
+  for (std::size_t end = cell.x.size();
+       end > 0 && height < limit && (cell.highest[end - 1] + r) * (1 + rounding) > height;) {
     const std::size_t begin = end > at_once ? end - at_once : 0;
 #pragma omp simd reduction(max : height)
     for (std::size_t i = begin; i < end; ++i) {
-      const double dx = x - x_[i], dy = y - y_[i], reach = r + radius_[i];
+      const double dx = x - cell.x[i], dy = y - cell.y[i], reach = r + cell.radius[i];
       const double rise = reach * reach - dx * dx - dy * dy;
-      const double on = z_[i] + std::sqrt(std::max(rise, 0.0));
+      const double on = cell.z[i] + std::sqrt(std::max(rise, 0.0));
       height = std::max(height, rise > 0 ? on : 0.0);
     }
     end = begin;
@@ -149,7 +187,7 @@ Columns::Columns(const BedParameters& parameters, const dem::Domain& domain, con
 double Columns::build(std::int64_t c, std::vector<dem::NewParticle>& to) const {
   const Vec3 foot = low_ + Vec3(static_cast<double>(c / across_) * size_.x(),
                                 static_cast<double>(c % across_) * size_.y(), 0);
-  Heap heap;
+  Heap heap(size_, cells_of(stones_ / count()));
   double top = 0;
   for (std::int64_t i = c * stones_ / count(); i < (c + 1) * stones_ / count(); ++i) {
     dem::NewParticle stone = make(i);
@@ -207,8 +245,10 @@ std::pair<double, double> Columns::in_circle(std::int64_t i, double clearance,
 }
 
 double height_of(const par::Comm& comm, const Columns& columns) {
-  constexpr std::int64_t sample = 1024;
-  const std::int64_t looked_at = std::min(columns.count(), sample);
+  constexpr std::int64_t sample = 1024, placed = 1'000'000;  // columns, stones: some seconds
+  const std::int64_t stones_each = std::max<std::int64_t>(1, columns.stones() / columns.count());
+  const std::int64_t looked_at =
+      std::min({columns.count(), sample, std::max<std::int64_t>(1, placed / stones_each)});
   const auto [begin, count] =
       io::row_range(static_cast<std::size_t>(looked_at), comm.rank(), comm.size());
   double top = 0;

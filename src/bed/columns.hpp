@@ -5,6 +5,8 @@
 // similar ids.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -15,14 +17,28 @@ namespace trackbed::bed {
 // Spheres that lie on each other or on the floor z = 0, in the order in which they were dropped.
 class Heap {
  public:
+  // On a floor from (0, 0) to `size`, m, divided into `cells` x `cells` cells for the search.
+  Heap(const Vec3& size, std::int64_t cells);
   void add(const geom::Sphere& ball);
   // z at which a sphere of radius r, dropped at (x, y), touches those below it or the floor. If
   // this is not below `limit`, any value that is not below it.
   double height_on(double x, double y, double r, double limit) const;
 
  private:
-  std::vector<double> x_, y_, z_, radius_;  // m
-  std::vector<double> highest_;             // m, top of any ball up to this one
+  // Balls above a cell of the floor.
+  struct Cell {
+    std::vector<double> x, y, z, radius;  // m
+    std::vector<double> highest;          // m, top of any of them up to this one
+  };
+  // Calls `visit` with the number of each cell below a ball.
+  template <class Visit>
+  void cells_below(double x, double y, double radius, Visit visit) const;
+  static double height_on(const Cell& cell, double x, double y, double r, double limit,
+                          double height);
+
+  std::array<double, 2> width_;  // m, of a cell
+  std::int64_t cells_;           // along each side
+  std::vector<Cell> all_;
 };
 
 // Keeps a reference to `mix`, which must outlive it. Local: every rank holds the same.
@@ -55,9 +71,9 @@ class Columns {
   Vec3 low_ = Vec3::Zero(), size_ = Vec3::Zero();  // m, corner and size of the first column
 };
 
-// m, height of the highest of at most 1024 loose columns, evenly spread. A higher one among the
-// others only lets growing stones begin a little larger than meant, and is found when they are
-// placed. Collective.
+// m, height of the highest of some loose columns, evenly spread: at most 1024 with about a million
+// stones. A higher one among the others only lets growing stones begin a little larger than meant,
+// and is found when they are placed. Collective.
 double height_of(const par::Comm& comm, const Columns& columns);
 
 // A pseudo-random permutation of 0 .. count - 1: the image of `i`, computed without the others.

@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <set>
 
 #include "bed/plate.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/core/hash.hpp"
 
 namespace trackbed::bed::columns_test {
 namespace {
@@ -177,6 +180,35 @@ TEST(Walls, FaceTheBedAndLeaveOutPeriodicSides) {
   EXPECT_EQ(walls(scene.domain, 2, 3, false).size(), 2u);
   scene.domain.dimension = Dimension::plane;
   EXPECT_EQ(walls(scene.domain, 2, 3, false).size(), 0u);
+}
+
+// The division of the floor is only for speed. Balls of 1 to 20 mm on a floor of 0.3 x 0.2 m.
+TEST(Heap, HeightsDoNotDependOnCells) {
+  std::vector<Heap> heaps;
+  for (const std::int64_t cells : {1, 2, 13, 64}) heaps.emplace_back(Vec3(0.3, 0.2, 0), cells);
+  double highest = 0;
+  for (std::uint64_t i = 0; i < 4000; ++i) {
+    const double r = 1e-3 * std::pow(20.0, uniform(1, 3 * i));
+    const double x = r + uniform(1, 3 * i + 1) * (0.3 - 2 * r);
+    const double y = r + uniform(1, 3 * i + 2) * (0.2 - 2 * r);
+    const double z = heaps.front().height_on(x, y, r, std::numeric_limits<double>::infinity());
+    for (const Heap& heap : heaps)
+      ASSERT_EQ(heap.height_on(x, y, r, std::numeric_limits<double>::infinity()), z);
+    for (const Heap& heap : heaps) ASSERT_GE(heap.height_on(x, y, r, 0.5 * z), 0.5 * z);
+    for (Heap& heap : heaps) heap.add({.centre = {x, y, z}, .radius = r});
+    highest = std::max(highest, z);
+  }
+  EXPECT_GT(highest, 0.1);
+}
+
+// Of 100 million stones only some columns are placed.
+TEST(Columns, HeightOfMillionsOfStonesTakesSeconds) {
+  Scene scene(Dimension::space, StoneKind::polyhedra);
+  scene.bed.sieve = {3, 63}, scene.bed.passing = {0, 100};
+  const Mix mix(scene.bed, scene.domain.dimension);
+  const Columns columns(scene.bed, scene.domain, mix);
+  EXPECT_GT(columns.stones(), 1'000'000);
+  EXPECT_LT(height_of(par::Comm::self(), columns), 20 * scene.bed.height);
 }
 
 }  // namespace
