@@ -7,31 +7,33 @@ run.
 writes a state file, which ParaView opens (File > Load State), and a picture of the instant at TIME
 (s), by default of that at which a wheel is nearest to the middle of the bed, or of the last one.
 The picture shows the bed below this wheel, several sleepers long, and a plane model from the side.
-Colours have the range of this instant. Ground and solids are drawn displaced, as stones touch them.
+Colours have the range of what the
+picture shows, those of speeds without the fastest 1 %. Ground and solids are drawn displaced, as stones touch them.
 Without a screen: `xvfb-run -a pvbatch ...`.
 """
 import argparse
+import contextlib
 import pathlib
 import sys
 
 import numpy as np
 from paraview import servermanager, simple
 
-WIDE, LOWEST, HIGHEST = 1600, 400, 1200  # pixels, of the picture
-LEFT, RIGHT, BELOW, ABOVE = 170, 120, 90, 140  # pixels around the model: labels, colour bars above
-LONG = 4.2              # m, of the bed in the picture: seven sleepers
-SHAPE = 1.2             # least length over height
-DEEP = 1.6              # m, of the ground in the picture
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from framing import (CORNER, LONG, SIDE, UP, camera, depth_limited, joined,  # noqa: E402
+                     nearest_to_middle, window)
+
+ABOVE_RAIL = 0.05       # m, shown above the lowest point of the rail if there is no wheel
+MOST = 99               # per cent of the stones whose speed is within the colours
 BLACK, GREY, STEEL = [0.0, 0.0, 0.0], [0.62, 0.6, 0.57], [0.25, 0.27, 0.3]
 PALE, BROWN, BLUE = [0.75, 0.74, 0.72], [0.55, 0.34, 0.29], [0.72, 0.77, 0.82]
-CORNER, SIDE, UP = (-0.15, -1.0, 0.35), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)  # from model to eye
 WHOLE = ("stones", "contacts", "bonds")  # not cut at the ends of the picture
 FAR = 1e5               # m, beyond every model
 EVERYWHERE = np.array([[-FAR] * 3, [FAR] * 3])
 TITLE, LABEL = 22, 18   # points, of axes and colour bars
 AXES_OF_PLANE, AXES_OF_SPACE = 5, 7  # edges with labels: sums of 1, 2, 4 for least x, y, z
 # Part -> kind of data, array and title of its colours; of vectors the magnitude is shown.
-COLOURED_BY = {"stones": ("CELLS", "velocity", "speed of the stones (m/s)"),
+COLOURED_BY = {"stones": ("CELLS", "velocity", "speed of 99 % of the stones (m/s)"),
                "ground": ("POINTS", "displacement", "displacement of the ground (m)"),
                "contacts": ("POINTS", "force_size", "contact force (N)"),
                "solids": ("POINTS", "displacement", "displacement of the solids (m)")}
@@ -41,7 +43,7 @@ WALLS, SLEEPERS = (-0.5, 0.5), (1.5, 2.5)
 BODIES = {"plates and boxes": (0.5, 1.5), "platen and tines": (2.5, 4.5)}
 TO_CENTRES = "to_centre"  # of the ends of contacts: vector to the stone's centre of mass, m
 THICK = 0.004             # of a picture's length up to LONG: radius of the largest force's tube
-OPACITIES = {True: 0.3, False: 0.1}  # of stones around contact forces: in a plane, in space
+OPACITIES = {True: 0.7, False: 0.1}  # of stones around contact forces: in a plane, in space
 SHORTEST = 2.0            # radii of this tube: shorter lines are drawn as spheres
 
 
@@ -63,69 +65,6 @@ def options(words):
     if given.x and not given.x[0] < given.x[1]:
         parser.error(f"--x {given.x[0]:g} {given.x[1]:g}: the second number must be the larger one")
     return given
-
-
-# Numbers: which instant, which part of the model, from where it is seen.
-
-def nearest_to_middle(wheels, low, high):
-    """(distance from the middle, x) of that of the wheels, x in m, over the bed between low and
-    high that is nearest to its middle; None if no wheel is over the bed."""
-    middle = (low + high) / 2
-    return min(((abs(x - middle), x) for x in wheels if low <= x <= high), default=None)
-
-
-def joined(boxes):
-    """[lowest, highest] corners of boxes as one."""
-    return np.array([np.min([low for low, _ in boxes], axis=0),
-                     np.max([high for _, high in boxes], axis=0)])
-
-
-def depth_limited(bed, ground):
-    """The box of bed and ground, with DEEP or as much of the ground as is above it."""
-    both = joined([bed, ground])
-    top = ground[1][2]
-    both[0][2] = min(bed[0][2], max(ground[0][2], top - max(DEEP, bed[1][2] - top)))
-    return both
-
-
-def window(box, wheel, eye):
-    """The part of a box, along x around the wheel (m, or None: the middle), that is shown."""
-    low, high = box[0][0], box[1][0]
-    length = max(LONG, SHAPE * extents(box, eye)[1])
-    if length >= high - low:
-        return box
-    middle = (low + high) / 2 if wheel is None else wheel
-    begin = min(max(middle - length / 2, low), high - length)
-    found = box.copy()
-    found[:, 0] = begin, begin + length
-    return found
-
-
-def axes_of(eye):
-    """Unit vectors to the right and upwards in the picture, and to the eye."""
-    back = np.array(eye) / np.linalg.norm(eye)
-    right = np.cross(UP, back)
-    right /= np.linalg.norm(right)
-    return right, np.cross(back, right), back
-
-
-def extents(box, eye):
-    """Width and height of a box in the picture, m."""
-    corners = np.array([[box[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
-    return [float(np.ptp(corners @ axis)) for axis in axes_of(eye)[:2]]
-
-
-def camera(box, eye):
-    """(focal point, position, half of the height in m, size in pixels) of a picture that a box
-    fills, with space around it for labels and colour bars."""
-    right, up, back = axes_of(eye)
-    wide, tall = extents(box, eye)
-    metres = wide / (WIDE - LEFT - RIGHT)  # of a pixel
-    pixels = int(np.clip(tall / metres + BELOW + ABOVE, LOWEST, HIGHEST)) // 2 * 2
-    metres = max(metres, tall / (pixels - BELOW - ABOVE))
-    focus = box.mean(axis=0) + metres / 2 * ((RIGHT - LEFT) * right + (ABOVE - BELOW) * up)
-    return (focus, focus + back * 4 * np.linalg.norm(box[1] - box[0]), metres * pixels / 2,
-            [WIDE, pixels])
 
 
 # What is drawn of each part.
@@ -208,6 +147,16 @@ def balls_of(stones):
                         ScaleArray=["POINTS", "radius"], ScaleFactor=2.0, GlyphMode="All Points")
 
 
+def limit_speeds(stones):
+    """Lets the colours end at the speed of all but a few stones, which rattle."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    velocity = servermanager.Fetch(stones).GetCellData().GetArray("velocity")
+    speed = np.linalg.norm(vtk_to_numpy(velocity), axis=1) if velocity else np.zeros(0)
+    if len(speed) and np.percentile(speed, MOST) > 0:
+        table = simple.GetColorTransferFunction("velocity")
+        table.RescaleTransferFunction(0.0, float(np.percentile(speed, MOST)))
+
+
 def show_stones(stones, view, opacity):
     """Stones coloured by their speed, or pale and transparent around contact forces; `opacity` or
     None."""
@@ -218,6 +167,7 @@ def show_stones(stones, view, opacity):
         display = plain(source, view, PALE, opacity or 1.0)
         if opacity is None and place == "CELLS":
             bars.append(colour(display, "stones", view, shared=True))
+            limit_speeds(source)
         elif opacity is None:
             simple.ColorBy(display, (place, "velocity", "Magnitude"))
     return bars
@@ -315,13 +265,13 @@ def wheels_at(train, time):
             if number.GetTuple1(k) >= 0]
 
 
-def instant(sources, given, bed):
+def instant(sources, train, given, bed):
     """(all times, that of the files nearest to the given one, x of the wheel to look at). Without
     a given time that at which a wheel is nearest to the middle of the bed, else the last one."""
     times = sorted({time for one in sources.values() for time in (one.TimestepValues or [])})
     if not times:
         return times, None, None
-    train = sources.get("train")
+    require_time(times, given)
     candidates = list(train.TimestepValues or []) if train else []
     if given is not None:
         now = min(times, key=lambda time: abs(time - given))
@@ -342,8 +292,9 @@ def model_box(parts, now, with_wheel):
     bed = [boxes[name] for name in ("stones", "solids") if name in boxes] or \
         [boxes[name] for name in boxes if name not in ("train", "ground")] or list(boxes.values())
     found = joined(bed)
-    if "train" in boxes:  # only in height
-        found[1][2] = max(found[1][2], boxes["train"][int(with_wheel)][2])
+    if "train" in boxes:  # only in height; the rail is the lowest of the train
+        top = boxes["train"][1][2] if with_wheel else boxes["train"][0][2] + ABOVE_RAIL
+        found[1][2] = max(found[1][2], top)
     return depth_limited(found, boxes["ground"]) if "ground" in boxes else found
 
 
@@ -426,22 +377,59 @@ def found_parts(folder, chosen):
     return {name: opened(name, found[name].resolve()) for name in names}
 
 
+@contextlib.contextmanager
+def part_of(folder, name, parts):
+    """What is drawn of a part, also of one that is not chosen; None if the run has none."""
+    path = folder / "fields" / f"{name}.hdf.series"
+    if name in parts or not path.exists():
+        yield parts[name][1] if name in parts else None
+        return
+    source, drawn = opened(name, path.resolve())
+    yield drawn
+    simple.Delete(drawn)
+    if source is not drawn:
+        simple.Delete(source)
+
+
+def is_plane(folder, parts):
+    """Whether all stones of the run, or all contacts, are in a plane along the track."""
+    for name in ("stones", "contacts"):
+        with part_of(folder, name, parts) as drawn:
+            if drawn is not None and drawn.GetDataInformation().GetNumberOfCells():
+                return flat(drawn)
+    return False
+
+
+def require_time(times, time):
+    """Ends with a message if no file is near a time, s."""
+    if not times or time is None:
+        return
+    gap = max(np.diff(times), default=0.0)
+    if not times[0] - gap <= time <= times[-1] + gap:
+        sys.exit(f"there are no fields near {time:g} s, but from {times[0]:g} to {times[-1]:g} s")
+
+
 def main(words):
     given = options(words)
-    view = new_view()
     parts = found_parts(given.folder, given.parts)
     sources = {name: source for name, (source, _) in parts.items()}
     scene = simple.GetAnimationScene()
     scene.UpdateAnimationUsingDataTimeSteps()
-    times, now, wheel = instant(sources, given.time, model_box(parts, None, False)[:, 0])
-    if now is not None:
-        scene.AnimationTime = view.ViewTime = now
+    with part_of(given.folder, "train", parts) as train:
+        times, now, wheel = instant(sources, train, given.time,
+                                    model_box(parts, None, False)[:, 0])
     whole = model_box(parts, now, wheel is not None)
-    plane = "stones" in parts and flat(parts["stones"][1])
+    plane = is_plane(given.folder, parts)
     eye = SIDE if plane else CORNER
     seen = whole if given.whole else window(whole, wheel, eye)
     if given.x:
+        if given.x[1] <= whole[0][0] or given.x[0] >= whole[1][0]:
+            sys.exit(f"--x {given.x[0]:g} {given.x[1]:g}: the model reaches from "
+                     f"{whole[0][0]:.4g} to {whole[1][0]:.4g} m")
         seen[:, 0] = given.x
+    view = new_view()  # after all checks: ParaView 5.11 crashes at an exit with a view
+    if now is not None:
+        scene.AnimationTime = view.ViewTime = now
     focus, position, scale, size = camera(seen, eye)
     clips = clipped(parts, seen)
     forces = "contacts" in parts and (plane or given.parts)

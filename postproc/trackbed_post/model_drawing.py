@@ -14,6 +14,7 @@ STRUCTURE = {"facecolor": "#9aa0a6", "edgecolor": "#4d4d4d", "hatch": "//"}
 SOFT = {"facecolor": "#a9c9a4", "edgecolor": "#4f7a4a", "hatch": ".."}
 STONE = "#8c8c8c"
 SLEEPER = "#5b4636"
+PACKING = "0.55"
 DIRECTION = "direction of travel →"
 FORCE = "#c1121f"
 RAIL_HEIGHT = 0.172                 # m
@@ -70,6 +71,14 @@ def underside(run):
     """z of the undersides of the sleepers when they were placed, m."""
     placed = [stage for stage in run.deck.get("stage", []) if stage.get("kind") == "sleepers"]
     return placed[0]["height"] if placed else 0.3
+
+
+def displacements(run):
+    """Vertical displacement of each sleeper of the bed since it was placed, m: at the end of the
+    run, as the stones of a drawing are; 0 where it was not recorded."""
+    if "displacement" not in run.sleeper or not len(run.sleeper["displacement"].values):
+        return np.zeros(len(run.sleepers_x))
+    return np.nan_to_num(run.sleeper["displacement"].values[-1])
 
 
 def close_up(run):
@@ -136,31 +145,35 @@ class Scene:
 
     def _draw_track(self):
         """Returns the height of the rail's top. White sleepers are on springs, outside of the bed.
-        """
+        The model's rail is even: seats of sleepers that have settled more are packed up."""
         deck, sleepers = self.run.deck, self.run.deck["sleepers"]
         low = underside(self.run)
         width, height, spacing = sleepers["width"], sleepers["height"], sleepers["spacing"]
-        x = self.run.sleepers_x
+        x, settled = self.run.sleepers_x, displacements(self.run)
+        foot = low + height + max(settled, default=0.0)
         places = measures.sleepers_of_track(deck.get("track", {}), spacing)
         before = min(deck.get("seat", {}).get("before", 0), len(places) - 1)
         begin = x[0] - places[before]
         end = begin + deck.get("track", {}).get("length", 0)
         for place in begin + places:
             on_bed = x[0] - spacing / 2 < place < x[-1] + spacing / 2
-            self.panel.add_patch(matplotlib.patches.Rectangle(
-                (place - width / 2, low), width, height, lw=0 if on_bed else 1,
-                facecolor=SLEEPER if on_bed else "white", edgecolor=SLEEPER, zorder=3))
+            top = low + height + np.interp(place, x, settled) if on_bed else foot
+            self._box(place - width / 2, top - height, width, height, lw=0 if on_bed else 1,
+                      facecolor=SLEEPER if on_bed else "white", edgecolor=SLEEPER, zorder=3)
+            self._box(place - width / 4, top, width / 2, foot - top, lw=0, facecolor=PACKING,
+                      zorder=3)
             if not on_bed:
                 self.panel.plot(place + 0.06 * np.array([0, 1, -1, 1, -1, 1, -1, 0]),
-                                np.linspace(0, low, 8), lw=0.8, color="0.3")
+                                np.linspace(0, top - height, 8), lw=0.8, color="0.3")
                 self.panel.plot([place - 0.2, place + 0.2], [0, 0], lw=1.2, color="0.3")
         self.panel.text(self.ends[0] + 0.1, -0.08, "sleepers\non springs", fontsize=8, va="top",
                         clip_on=True)
-        bottom = low + height
-        self.panel.add_patch(matplotlib.patches.Rectangle(
-            (max(begin, self.ends[0]), bottom), min(end, self.ends[1]) - max(begin, self.ends[0]),
-            RAIL_HEIGHT, facecolor="0.25", lw=0, zorder=4))
-        return bottom + RAIL_HEIGHT
+        self._box(max(begin, self.ends[0]), foot, min(end, self.ends[1]) - max(begin, self.ends[0]),
+                  RAIL_HEIGHT, facecolor="0.25", lw=0, zorder=4)
+        return foot + RAIL_HEIGHT
+
+    def _box(self, x, z, width, height, **style):
+        self.panel.add_patch(matplotlib.patches.Rectangle((x, z), width, height, **style))
 
     def show_direction(self):
         """An arrow in the upper left corner, visible also without a vehicle: trains run towards

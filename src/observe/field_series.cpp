@@ -125,17 +125,18 @@ io::Grid rails_and_wheels(const track::Passage& passage, const track::Train& tra
     for (int k = 0; k <= parts; ++k) {
       const double x = length * k / parts;
       up.push_back(passage.rail_displacement(x, side));
-      points.emplace_back(place.origin + x, place.across(side), place.level(x, side) + up.back());
+      points.emplace_back(place.origin + x, place.across(side), place.level + up.back());
     }
     grid.add_rail(points, up);
   }
   for (std::size_t i = 0; i < train.wheels().size(); ++i) {
     const track::Train::Wheel& wheel = train.wheels()[i];
     const double x = passage.wheel_x(i);
+    if (x < 0 || x > length) continue;  // on the rigid rail before and behind the track
     // An axle of constant force has no height of its own.
     const double up =
         wheel.unknown >= 0 ? passage.wheel_height(i) : passage.rail_displacement(x, wheel.side);
-    grid.add_wheel({place.origin + x, place.across(wheel.side), place.level(x, wheel.side) + up},
+    grid.add_wheel({place.origin + x, place.across(wheel.side), place.level + up},
                    place.wheel_radius, i, passage.wheel_force(i), up);
   }
   return grid.take();

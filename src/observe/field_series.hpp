@@ -32,11 +32,10 @@ class FieldSeries {
 
 // Where a drawn train is.
 struct TrainPlace {
-  double origin;        // m, x of the model at the start of the track
-  double wheel_radius;  // m
-  // m, y and z of the rail `side` without load, at x of the track.
-  std::function<double(std::size_t side)> across;
-  std::function<double(double x, std::size_t side)> level;
+  double origin;                                   // m, x of the model at the start of the track
+  double wheel_radius;                             // m
+  double level;                                    // m, z of the top of the unloaded rail
+  std::function<double(std::size_t side)> across;  // m, y of a rail
 };
 
 // Rails of the whole track as lines, wheels as disks on them, with their displacements.

@@ -3,6 +3,8 @@
 // depends on the ranks; what all ranks know is written by the root.
 #include "trackbed/io/fields.hpp"
 
+#include <algorithm>
+
 #include "observe/field_series.hpp"
 #include "trackbed/track/rail.hpp"
 
@@ -120,54 +122,49 @@ io::Grid bond_lines(const dem::Particles& particles) {
 io::Grid surface_triangles(const Scene& scene) {
   io::Grid grid;
   grid.kind = io::CellKind::triangle;
-  io::FieldData number{"surface", {"-", "number of the surface"}, 1, {}, true},
+  io::FieldData number{"surface", {"-", "number of the surface, as in the contacts"}, 1, {}, true},
       part{"part",
            {"-", "0 wall or floor, 1 plate or box, 2 sleeper, 3 platen, 4 tine"},
            1,
            {},
-           true};
-  for (std::size_t n = 0; n < scene.surfaces.size(); ++n) {
-    const Surface& surface = *scene.surfaces[n].surface;
+           true},
+      moved{"sleeper_displacement",
+            {"m", "of a sleeper's centre since it was placed, contained in the shape; others: 0"},
+            3,
+            {}};
+  std::size_t sleeper = 0;
+  for (const SceneSurface& shown : scene.surfaces) {
+    const Surface& surface = *shown.surface;
+    const bool is_sleeper = shown.part == SceneSurface::Part::sleeper && scene.sleepers;
+    const Vec3 displacement =
+        is_sleeper ? scene.sleepers->state(sleeper++).displacement : Vec3(Vec3::Zero());
     const auto first = static_cast<std::int64_t>(grid.points.size());
     for (std::size_t k = 0; k < surface.nodes(); ++k)
       grid.points.emplace_back(surface.position[k] + surface.motion[k]);
     for (const auto& triangle : surface.triangles) {
       for (const std::int32_t node : triangle) grid.cells.push_back(first + node);
-      number.values.push_back(static_cast<double>(n));
-      part.values.push_back(static_cast<double>(scene.surfaces[n].part));
+      number.values.push_back(static_cast<double>(shown.number));
+      part.values.push_back(static_cast<double>(shown.part));
+      for (int k = 0; k < 3; ++k) moved.values.push_back(displacement[k]);
     }
   }
-  grid.cell_data = {std::move(number), std::move(part)};
+  grid.cell_data = {std::move(number), std::move(part), std::move(moved)};
   return grid;
 }
 
-// m, of the unloaded rail `side` at x of the track: straight between the seats of the bed, where it
-// was placed on the sleepers, and beyond them as high as above the outermost.
-double level_of_rail(const TrainView& train, double x, std::size_t side) {
-  const track::Line& line = train.running.line();
-  const std::vector<double>& levels = train.running.levels_without_load();
-  const std::size_t sides = line.sides(), count = levels.size() / sides;
-  const auto at = [&](std::size_t i) { return line.sleeper_x(line.first_moved() + i); };
-  const auto level = [&](std::size_t i) { return levels[i * sides + side]; };
-  std::size_t after = 0;
-  while (after < count && at(after) < x) ++after;
-  if (after == 0 || after == count) return level(after == 0 ? 0 : count - 1);
-  const double part = (x - at(after - 1)) / (at(after) - at(after - 1));
-  return level(after - 1) + part * (level(after) - level(after - 1));
-}
-
+// The model's rail is even whatever the heights of the sleepers: it is drawn on the highest, as if
+// the seats of the others were packed up.
 io::Grid train_over_bed(const TrainView& train) {
-  const double top = train.sleeper_top + track::drawn_rail_height;
-  return rails_and_wheels(
-      train.running.passage(), train.running.train(),
-      {.origin = train.running.origin(),
-       .wheel_radius = train.wheel_radius,
-       .across =
-           [&train](std::size_t side) {
-             return train.rails == 1 ? 0 : (side == 0 ? 0.5 : -0.5) * train.gauge;
-           },
-       .level = [&train, top](double x,
-                              std::size_t side) { return top + level_of_rail(train, x, side); }});
+  const std::vector<double>& levels = train.running.levels_without_load();
+  const double level = train.sleeper_top + *std::max_element(levels.begin(), levels.end()) +
+                       track::drawn_rail_height;
+  return rails_and_wheels(train.running.passage(), train.running.train(),
+                          {.origin = train.running.origin(),
+                           .wheel_radius = train.wheel_radius,
+                           .level = level,
+                           .across = [&train](std::size_t side) {
+                             return train.rails == 1 ? 0 : (side == 0 ? 0.5 : -0.5) * train.gauge;
+                           }});
 }
 
 }  // namespace

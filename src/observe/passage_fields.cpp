@@ -20,8 +20,8 @@ class PassageShapes {
         passage_, train_,
         {.origin = shape_.origin,
          .wheel_radius = shape_.wheel_radius,
-         .across = [this](std::size_t side) { return y_of_rail(side); },
-         .level = [this](double, std::size_t) { return rail_level(); }});
+         .level = rail_level(),
+         .across = [this](std::size_t side) { return y_of_rail(side); }});
   }
 
   // Boxes of six faces, which follow the two ends of a sleeper.

@@ -3,6 +3,7 @@ import json
 import pathlib
 import types
 
+import matplotlib.patches
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -38,7 +39,7 @@ def train_at(speed=SPEED):
     rail[60:] = -1e-3
     deck = {"bed": {"x": [0, 18.6]}, "thickness": 1.3, "train": {"speed": speed},
             "sleepers": {"spacing": 0.6, "width": 0.25, "height": 0.2}}
-    run = types.SimpleNamespace(name="made", deck=deck, sleepers_x=X, stones={})
+    run = types.SimpleNamespace(name="made", deck=deck, sleepers_x=X, stones={}, sleeper={})
     passing = types.SimpleNamespace(time=time, x=np.stack([front, front - 2.5], axis=1), rail=rail,
                                     first=0)
     return transition.Train(run, passing, "made")
@@ -74,6 +75,34 @@ def test_width_of_a_contact_force_is_explained(tmp_path):
     for panel in figure.axes:  # between both panels, and not over the labels of their axes
         assert not place.overlaps(panel.get_tightbbox()), "the key hides a panel"
     pictures.close()
+
+
+def test_settled_sleepers_are_drawn_packed_up_below_an_even_rail():
+    train = train_at()
+    settled = np.where(np.arange(len(X)) % 4 == 2, -0.02, -0.005)
+    train.run.sleeper["displacement"] = types.SimpleNamespace(
+        values=np.stack([np.zeros(len(X)), settled]))
+    train.run.deck["seat"], train.run.deck["track"] = {"before": 4}, {"length": 30}
+    figure, panel = plt.subplots()
+    scene = transition_figures.model_drawing.Scene(panel, train.run, 2.6)
+    scene.set_train([5.0])
+    boxes = [(patch.get_x(), patch.get_y(), patch.get_width(), patch.get_height())
+             for patch in panel.patches if isinstance(patch, matplotlib.patches.Rectangle)]
+    tops = {round(x + width / 2, 6): y + height for x, y, width, height in boxes
+            if width == 0.25 and height == 0.2}
+    foot = 0.3 + 0.2 - 0.005  # m, of the rail on the sleepers that have settled least
+    for x, down in zip(X, settled):
+        assert tops[round(x, 6)] == pytest.approx(0.5 + down)
+        packing, = [box for box in boxes if box[2] == 0.125 and
+                    box[0] + 0.0625 == pytest.approx(x)]
+        assert packing[1:] == pytest.approx((0.5 + down, 0.125, foot - 0.5 - down))
+    beside = [top for x, top in tops.items() if not X[0] - 0.1 < x < X[-1] + 0.1]
+    assert len(beside) > 3 and beside == pytest.approx([foot] * len(beside))
+    rail, = [box for box in boxes if box[3] == transition_figures.model_drawing.RAIL_HEIGHT]
+    assert rail[1] == pytest.approx(foot)
+    wheel, = [patch for patch in panel.patches if isinstance(patch, matplotlib.patches.Circle)]
+    assert wheel.center[1] - wheel.radius == pytest.approx(rail[1] + rail[3])
+    plt.close(figure)
 
 
 @pytest.mark.parametrize("times, words", [

@@ -8,6 +8,9 @@ import conftest
 import numpy as np
 import pytest
 
+sys.path.insert(0, str(conftest.ROOT / "postproc/paraview"))
+import framing  # noqa: E402
+
 BED = np.array([[0.0, -0.65, 0.0], [19.2, 0.65, 1.6]])  # the quickstart with its wheels, m
 
 
@@ -31,7 +34,7 @@ def pixels_of(view, box, eye):
     """Of a picture: its size, and the pixels of the corners of a box from its lower left corner."""
     focus, position, half, size = view.camera(box, eye)
     assert np.allclose(np.cross(position - focus, eye), 0), "it looks along another direction"
-    right, up, _ = view.axes_of(eye)
+    right, up, _ = framing.axes_of(eye)
     corners = np.array([[box[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
     metres = 2 * half / size[1]
     return size, np.column_stack([(corners - focus) @ axis / metres + pixels / 2
@@ -58,11 +61,11 @@ def test_the_bed_fills_the_picture(view, eye, length):
     box = BED.copy()
     box[1][0] = length
     (wide, tall), corners = pixels_of(view, box, getattr(view, eye))
-    left, below = corners.min(axis=0) - [view.LEFT, view.BELOW]
-    right, above = [wide - view.RIGHT, tall - view.ABOVE] - corners.max(axis=0)
+    left, below = corners.min(axis=0) - [framing.LEFT, framing.BELOW]
+    right, above = [wide - framing.RIGHT, tall - framing.ABOVE] - corners.max(axis=0)
     assert min(left, below, right, above) > -1
     assert max(left, right) < 1 or max(below, above) < 1
-    assert wide == view.WIDE and view.LOWEST <= tall <= view.HIGHEST
+    assert wide == framing.WIDE and framing.LOWEST <= tall <= framing.HIGHEST
     if length == 4.2 and eye == "SIDE":
         used = np.ptp(corners, axis=0).prod() / (wide * tall)
         assert used > 0.5, "a narrow strip"
@@ -89,12 +92,17 @@ def test_instant_is_that_with_a_wheel_over_the_middle_of_the_bed(view, monkeypat
     monkeypatch.setattr(view, "wheels_at", lambda _, time: places[time])
     sources = {"train": types.SimpleNamespace(TimestepValues=list(places)),
                "stones": types.SimpleNamespace(TimestepValues=[1.0, *places])}
-    assert view.instant(sources, None, (0, 19.2)) == ([1.0, *places], 2.5, 8.0)
-    assert view.instant(sources, 3.1, (0, 19.2))[1:] == (3.0, 19.0)
-    assert view.instant(sources, 3.4, (0, 19.2))[1:] == (3.5, None)
-    assert view.instant(sources, 0.5, (0, 19.2))[1:] == (1.0, None)
-    del sources["train"]
-    assert view.instant(sources, None, (0, 19.2))[1:] == (3.5, None)
+    train = sources["train"]
+    assert view.instant(sources, train, None, (0, 19.2)) == ([1.0, *places], 2.5, 8.0)
+    assert view.instant(sources, train, 3.1, (0, 19.2))[1:] == (3.0, 19.0)
+    assert view.instant(sources, train, 3.4, (0, 19.2))[1:] == (3.5, None)
+    assert view.instant(sources, train, 0.5, (0, 19.2))[1:] == (1.0, None)
+    del sources["train"]  # not drawn: the instant is the same
+    assert view.instant(sources, train, None, (0, 19.2))[1:] == (2.5, 8.0)
+    assert view.instant(sources, None, None, (0, 19.2))[1:] == (3.5, None)
+    for beyond in (-0.1, 4.6):
+        with pytest.raises(SystemExit, match="no fields near .*, but from 1 to 3.5 s"):
+            view.instant(sources, train, beyond, (0, 19.2))
 
 
 def test_options(view):

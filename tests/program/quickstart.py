@@ -97,6 +97,38 @@ def check_rail(made):
         raise SystemExit(f"the unloaded rail moves: {levels}")
 
 
+def check_surfaces(made):
+    """Contacts name the surfaces as their own files do; the ground, 0, is no surface there."""
+    files = sorted((made / "fields").glob("train_*_contacts.hdf"))
+    path = files[len(files) // 2]  # the train is on the loose bed
+    with h5py.File(path) as file:
+        time = file["VTKHDF/FieldData/TimeValue"][0]
+        number = -1 - file["VTKHDF/PointData/stone"][:].ravel()
+        ends = file["VTKHDF/Points"][:]
+    with h5py.File(str(path).replace("contacts", "surfaces")) as file:
+        group = file["VTKHDF"]
+        corners = group["Points"][:][group["Connectivity"][:].reshape(-1, 3)]
+        surface, part = (group[f"CellData/{name}"][:].ravel() for name in ("surface", "part"))
+        moved = group["CellData/sleeper_displacement"][:]
+    touched = set(number[number > 0])
+    if 0 not in number or len(touched) < 2 or not touched <= set(surface) or 0 in surface:
+        raise SystemExit(f"contacts touch {touched}, there are {set(surface)}")
+    for each in touched:
+        box = corners[surface == each].reshape(-1, 3)
+        low, high = box.min(axis=0) - 1e-3, box.max(axis=0) + 1e-3
+        at = ends[number == each]
+        if not ((at > low) & (at < high)).all():
+            raise SystemExit(f"contacts of surface {each} at {at}, which is in {low} to {high}")
+    found = histories(made)
+    row = found["sleeper/displacement"][np.argmin(np.abs(found["time"].ravel() - time))]
+    shown = [moved[surface == each][0] for each in np.unique(surface[part == 2])]
+    # A row may be up to half an interval of rows, 0.5 ms, before or after the file.
+    if len(shown) != 31 or not np.allclose(np.array(shown)[:, 2], row, atol=5e-4):
+        raise SystemExit(f"sleepers displaced by {shown}, by {row} in the histories")
+    if moved[part != 2].any():
+        raise SystemExit("only sleepers have a displacement")
+
+
 def main():
     program, source, folder = Program(sys.argv[1]), *map(pathlib.Path, sys.argv[2:4])
     shutil.rmtree(folder, ignore_errors=True)
@@ -109,6 +141,7 @@ def main():
         raise SystemExit(f"the deck has the stages {stages}")
     check_ends(folder / "wedge")
     check_rail(folder / "wedge")
+    check_surfaces(folder / "wedge")
     program.done(1, "run", *deck, *NO_WEDGE, f"start={folder / 'wedge/stage_bed_in.h5'}", "-o",
                  folder / "no_wedge")
     both = " ".join(figures(source, folder, "wedge", "no_wedge", film=True).split())

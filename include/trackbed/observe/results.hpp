@@ -29,6 +29,7 @@ struct SceneSurface {
   enum class Part { wall, placed, sleeper, platen, tine };
   Part part;
   const Surface* surface;
+  std::size_t number;  // as contacts name it
 };
 
 struct Scene {
