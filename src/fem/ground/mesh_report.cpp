@@ -295,4 +295,22 @@ MeshReport look_at_mesh(const GroundParameters& parameters) {
   return report;
 }
 
+std::vector<std::size_t> covered_blocks(const GroundParameters& parameters, Dimension dimension) {
+  const Lattice lattice = make_lattice(parameters, dimension, 1);
+  const std::size_t layers = parameters.layers.size();
+  std::vector<bool> found(parameters.blocks.size(), false);
+  std::size_t left = 0;
+  for (const Block& block : parameters.blocks) left += block.present ? 1 : 0;
+  for (Id element = 0; element < lattice.element_count() && left > 0; ++element) {
+    const int block = block_at(parameters, lattice.centre(element));
+    if (block < 0 || found[static_cast<std::size_t>(block) - layers]) continue;
+    found[static_cast<std::size_t>(block) - layers] = true;
+    --left;
+  }
+  std::vector<std::size_t> covered;
+  for (std::size_t b = 0; b < found.size(); ++b)
+    if (parameters.blocks[b].present && !found[b]) covered.push_back(b);
+  return covered;
+}
+
 }  // namespace trackbed::fem

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "model/check/picture.hpp"
 #include "trackbed/model/checks.hpp"
@@ -25,11 +26,23 @@ constexpr Paint wheel{.fill = "#444", .line = "black"}, body{.fill = "#dfe7ef", 
 constexpr Paint load{.line = "#c1121f", .width = 1.5};
 constexpr Paint stone{.fill = "#b5a48f", .line = "#5b4636", .width = 0.6, .opacity = 0.6};
 constexpr double least_of_structures = 10e9;  // Pa: concrete and stiffer
+constexpr double depth_of_structures = 0.5;   // of the ground's, from its surface
 constexpr const char* layer_fill[] = {"#e8dcc0", "#d9c7a0", "#c8b184", "#b79b6c"};
 
 std::string modulus(double pascal) {
   return pascal >= 1e9 ? fmt::format("{:g} GPa", pascal / 1e9)
                        : fmt::format("{:g} MPa", pascal / 1e6);
+}
+
+// As the post-processing decides: a slab of concrete on the surface is none.
+bool is_structure(const fem::GroundParameters& ground, const fem::Block& block) {
+  double depth = 0, low = 0, high = -std::numeric_limits<double>::infinity();
+  for (const fem::Layer& layer : ground.layers) depth += layer.thickness;
+  for (std::size_t k = 1; k < block.outline.size(); k += 2)
+    low = std::min(low, block.outline[k]), high = std::max(high, block.outline[k]);
+  constexpr double rounding = 1e-9;
+  return block.solid.young >= least_of_structures && high >= -rounding * depth &&
+         low <= -(depth_of_structures - rounding) * depth;
 }
 
 void draw_blocks(const fem::GroundParameters& ground, Picture& picture) {
@@ -42,7 +55,7 @@ void draw_blocks(const fem::GroundParameters& ground, Picture& picture) {
       middle.x += b.outline[k], middle.z += b.outline[k + 1];
     }
     const auto count = static_cast<double>(corners.size());
-    picture.polygon(std::move(corners), b.solid.young < least_of_structures ? block : structure);
+    picture.polygon(std::move(corners), is_structure(ground, b) ? structure : block);
     picture.text({middle.x / count, middle.z / count},
                  fmt::format("{}, {}", b.name, modulus(b.solid.young)));
   }

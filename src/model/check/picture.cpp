@@ -30,6 +30,8 @@ std::string escaped(const std::string& words) {
   return out;
 }
 
+constexpr double letter = 7;  // pixels, mean width of a letter of 13 pixels
+
 // 1, 2 or 5 times a power of ten, m.
 double tick_distance(double length) {
   const double rough = length / ticks_wanted, power = std::pow(10, std::floor(std::log10(rough)));
@@ -111,7 +113,12 @@ Picture::View Picture::view() const {
 std::string Picture::drawn(const Part& part, const View& view) {
   if (part.kind == Kind::text) {
     constexpr const char* anchors[] = {"start", "middle", "end"};
-    return label(view.x(part.points[0].x), view.y(part.points[0].z) + part.size,
+    double x = view.x(part.points[0].x);
+    // Kept within the picture, whose axes begin at the margin.
+    const double half = letter * static_cast<double>(part.words.size()) / 2;
+    if (part.anchor == Anchor::middle && margin + 2 * half < view.right())
+      x = std::clamp(x, margin + half, view.right() - half);
+    return label(x, view.y(part.points[0].z) + part.size,
                  anchors[static_cast<std::size_t>(part.anchor)], part.words);
   }
   if (part.kind == Kind::circle)
@@ -154,7 +161,9 @@ std::string Picture::svg() const {
       "<title>{2}</title>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
       std::max(view.right(), 640.0), height, escaped(title_));
   out += label(margin, line_height - 2, "start", title_);
-  for (const Part& part : parts_) out += drawn(part, view);
+  for (const bool texts : {false, true})  // no body hides a text
+    for (const Part& part : parts_)
+      if ((part.kind == Kind::text) == texts) out += drawn(part, view);
   out += axes(view);
   double y = view.bottom();
   for (const std::string& note : notes_) out += label(margin, y += line_height, "start", note);

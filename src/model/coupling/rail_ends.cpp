@@ -55,11 +55,13 @@ std::vector<std::string> RailEnds::warnings() const {
     sentences.push_back(fmt::format(
         "the track on springs does not match the bed: at the {} of the bed the rail deflects under "
         "the train by {:.2g} mm above the {} {} sleepers on stones and by {:.2g} mm above the {} "
-        "ones on springs (largest ratio: {:g}); if they are not meant to be a transition, make "
+        "ones on springs (ratio {:.2g}, usually at most {:g}); if they are not meant to be a "
+        "transition, make "
         "the springs about {:.2g} times as stiff (`bed` of a [[track.zone]], or "
         "ballast.stiffness)",
         end == 0 ? "start" : "end", 1e3 * on_stones, end == 0 ? "first" : "last", count,
-        1e3 * on_springs, end == 0 ? "previous" : "next", different, std::pow(ratio, 4.0 / 3)));
+        1e3 * on_springs, end == 0 ? "previous" : "next", std::max(ratio, 1 / ratio), different,
+        std::pow(ratio, 4.0 / 3)));
   }
   return sentences;
 }

@@ -202,6 +202,18 @@ std::vector<std::string> warnings_of_block_sides(const Model& model, const input
   return warnings;
 }
 
+// Blocks whose elements all belong to later ones. Their outlines alone do not show it.
+std::vector<std::string> warnings_of_covered(const Model& model, const input::Deck& deck) {
+  std::vector<std::string> warnings;
+  if (model.ground.blocks.size() < 2 || model.ground.of_tetrahedra()) return warnings;
+  for (const std::size_t b : fem::covered_blocks(model.ground, model.dimension))
+    warnings.push_back(fmt::format(
+        "{}: block \"{}\" has no element: later blocks of the deck contain all of its elements and "
+        "overrule it; list it after them, or leave it out",
+        deck.where(fmt::format("ground.block[{}].outline", b)), model.ground.blocks[b].name));
+  return warnings;
+}
+
 // All warnings from elements and tables of a ground, also of an embankment or a mesh.
 std::vector<std::string> look_at_tables(const Model& model, const input::Deck& deck) {
   std::vector<std::string> warnings;
@@ -209,7 +221,7 @@ std::vector<std::string> look_at_tables(const Model& model, const input::Deck& d
   if (model.ground.mesh.empty()) warnings = warnings_of_wave(model, deck);
   for (const auto& more : {warnings_of_young(model, deck), warnings_of_times(model, deck),
                            warnings_of_elements(model, deck), warnings_of_shapes(model, deck),
-                           warnings_of_block_sides(model, deck)})
+                           warnings_of_block_sides(model, deck), warnings_of_covered(model, deck)})
     warnings.insert(warnings.end(), more.begin(), more.end());
   return warnings;
 }

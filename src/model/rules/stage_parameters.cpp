@@ -121,7 +121,7 @@ void Stage::declare_loads(input::Section& s) {
       "the sleepers as they are; kept: that of the preceding train, whose pads take up their "
       "forces within `ramp`: it lifts the sleepers that have settled more than their "
       "neighbours since.");
-  s.number("settlement", settlement, {.unit = "m", .at_least = 0, .usually_to = 0.01},
+  s.number("settlement", settlement, {.unit = "m", .at_least = 0, .usually_to = 2e-3},
            "The stage ends early after a cycle in which no sleeper settles by more than this value "
            "(load and passage with cycles); 0: the stage does not end early.");
 }
@@ -135,6 +135,12 @@ void Stage::declare(input::Section& s) {
     s.rule(key, force == 0 || std::abs(force) >= least,
            fmt::format("is negligible for a rail seat (below {:g} N); is it in N?", least),
            {.severity = input::Severity::warning, .reads = {key}});
+  constexpr double shortest = 0.02;  // s, of a cycle: half a wavelength of a fast train's axles
+  s.rule("cycles", kind != StageKind::load || cycles == 0 || duration >= shortest * cycles,
+         fmt::format("gives cycles of {:.3g} s, in which inertia carries the load (shorter than "
+                     "{:g} s)",
+                     duration / static_cast<double>(std::max<std::int64_t>(1, cycles)), shortest),
+         {.severity = input::Severity::warning, .reads = {"kind", "duration", "cycles"}});
   const bool tamps = kind == StageKind::tamp;
   s.rule("duration", kind == StageKind::passage || tamps || duration > 0,
          "must be above 0 s for this kind of stage");

@@ -94,6 +94,16 @@ void declare_arrivals(const Model& model, input::Section& s) {
                "from the start of the track, and the first sleeper of the bed is at {:.4g} m",
                reached, bed),
            {.severity = input::Severity::warning, .reads = {"stage", "train", "seat", "track"}});
+    if (reached < bed) continue;
+    const double last = reached - track::Train(track.train, track.vehicles, 1).axle_distance();
+    const double end = bed + model.sleepers.last() - model.sleepers.first;
+    s.rule(fmt::format("stage[{}].duration", i), last >= end,
+           fmt::format("ends the stage before the train has left the bed: the last axle reaches "
+                       "{:.4g} m from the start of the track, and the last sleeper of the bed is "
+                       "at {:.4g} m; 0 lasts until it has left the track",
+                       last, end),
+           {.severity = input::Severity::warning,
+            .reads = {"stage", "train", "vehicle", "seat", "track", "sleepers"}});
   }
 }
 
@@ -163,25 +173,52 @@ void declare_ends(const Model& model, input::Section& s) {
 // two thirds. A bed that was loaded by less than it is to carry settles under the train.
 void declare_bedding_in(const Model& model, input::Section& s) {
   constexpr double least = 0.3;  // of the load of a wheel
-  const std::optional<track::Train> train = train_of(model.track);
-  if (!train) return;
+  if (!train_of(model.track)) return;
+  const track::TrackParameters& line = model.track.line.track;
+  const track::Train train(model.track.train, model.track.vehicles, line.rails, line.wheel_gauge());
   double wheel = 0;  // N
-  for (const track::Train::Wheel& each : train->wheels())
+  for (const track::Train::Wheel& each : train.wheels())
     wheel = std::max(wheel, each.unknown < 0 ? each.force : each.mean_load);
-  wheel *= std::min(1.0, model.seat.rails);  // a slice carries a part of the rail
-  double loaded = 0;                         // N
+  wheel *= model.seat.rails;  // of those that a sleeper of the model carries
+  double loaded = 0;          // N
   std::size_t last = 0;
   for (std::size_t i = 0; i < model.stages.size() && !model.stages[i].train; ++i)
     if (const Stage& stage = model.stages[i]; stage.kind == StageKind::load) {
       const double load = stage.load + stage.seat_force;
       if (load > loaded) loaded = load, last = i;
     }
+  const bool begins = model.start.empty();
+  s.rule("stage", !begins || loaded > 0,
+         "no stage of kind load comes before the first train: the bed has carried no load of this "
+         "size and settles under the train; bed it in first",
+         {.severity = input::Severity::warning, .reads = {"stage", "start"}});
   s.rule(fmt::format("stage[{}].load", last), loaded == 0 || loaded >= least * wheel,
-         fmt::format("loads each rail seat by {:.3g} kN together with seat_force, less than {:g} "
-                     "times the largest static wheel load, {:.3g} kN: the train brings more, and "
-                     "the bed settles under it",
+         fmt::format("loads each sleeper by {:.3g} kN together with seat_force, less than {:g} "
+                     "times the largest static load of the wheels above it, {:.3g} kN: the train "
+                     "brings more, and the bed settles under it",
                      loaded / 1e3, least, wheel / 1e3),
          {.severity = input::Severity::warning, .reads = {"stage", "train", "vehicle", "track"}});
+}
+
+// A ground that never moves supports the stones like a floor, whatever its layers are; local
+// damping acts against every motion, that under the train, too.
+void declare_motion(const Model& model, input::Section& s) {
+  constexpr double strong = 0.3;
+  bool moves = !model.ground.present;
+  for (const Stage& stage : model.stages) moves = moves || stage.ground_moves;
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const Stage& stage = model.stages[i];
+    if (!stage.train) continue;
+    s.rule(fmt::format("stage[{}].ground_moves", i), moves,
+           "is false in every stage: the ground stays rigid, so that its layers and blocks have no "
+           "effect on the train",
+           {.severity = input::Severity::warning, .reads = {"stage", "ground.present"}});
+    s.rule(fmt::format("stage[{}].local_damping", i), stage.local_damping <= strong,
+           fmt::format("is large in a stage with a train (above {:g}): it takes away this part of "
+                       "every unbalanced force on the stones",
+                       strong),
+           {.severity = input::Severity::warning, .reads = {"stage"}});
+  }
 }
 
 // The bed's sleepers have their own mass and lie on stones: zones affect only rail, pads
@@ -197,9 +234,14 @@ void declare_zones(const Model& model, input::Section& s) {
     }
     s.rule(fmt::format("track.zone[{}].from", i), over == 0 || (zone.bed == 1 && zone.sleeper == 1),
            fmt::format("begins a zone that contains {} sleeper{} of the bed: {} on stones and {} a "
-                       "mass of {} own, so that `bed` and `sleeper` have no effect there",
+                       "mass of {} own, so that `bed` and `sleeper` have no effect there (zones "
+                       "count from the start of the track, where the bed's sleepers are from {:g} "
+                       "to {:g} m)",
                        over, over == 1 ? "" : "s", over == 1 ? "this one lies" : "these lie",
-                       over == 1 ? "has" : "have", over == 1 ? "its" : "their"),
+                       over == 1 ? "has" : "have", over == 1 ? "its" : "their",
+                       track.sleeper_x(static_cast<std::size_t>(model.seat.before)),
+                       track.sleeper_x(
+                           static_cast<std::size_t>(model.seat.before + model.sleepers.count - 1))),
            {.severity = input::Severity::warning, .reads = {"track", "sleepers", "seat", "stage"}});
   }
 }
@@ -275,9 +317,11 @@ void declare_warnings(const Model& model, input::Section& s) {
   const double given = track.sleeper_mass / static_cast<double>(track.rails);
   constexpr double far = 1.6;  // less than the number of rails
   s.rule("seat.rails", mass <= far * given && given <= far * mass,
-         fmt::format("gives {:.3g} kg per rail for a sleeper of the bed, but a sleeper on springs "
-                     "has {:.3g} kg per rail (track.sleeper_mass): check the number of rails",
-                     mass, given),
+         fmt::format(
+             "gives {:.3g} kg per rail for a sleeper of the bed (of its density and size), but "
+             "a sleeper on springs has {:.3g} kg per rail (track.sleeper_mass): check the "
+             "number of rails, [sleepers] and the density of its material",
+             mass, given),
          {.severity = input::Severity::warning,
           .reads = {"track", "sleepers", "seat", "stage", "material", "thickness"}});
   // Extremes below a wheel are seen if each sleeper has a row with the wheel near it.
@@ -322,6 +366,7 @@ void declare_train(const Model& model, input::Section& s) {
   declare_place(model, s);
   declare_ends(model, s);
   declare_bedding_in(model, s);
+  declare_motion(model, s);
   declare_zones(model, s);
   if (model.track.is_countable()) {
     declare_ballast_mass(model.track, model.seat.before, model.sleepers.count, s);

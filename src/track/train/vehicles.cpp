@@ -289,12 +289,15 @@ void declare_unused(const V& given, const V& whole, input::Section& s) {
   const double reach = axle_span_of(whole);
   s.rule("bogie_distance",
          layout.bogies < 2 || whole.bogie_distance == 0 || whole.bogie_distance > whole.wheelbase,
-         fmt::format("must exceed the wheelbase of {:g} m: otherwise the bogies overlap",
+         fmt::format("must exceed the wheelbase of {:g} m: otherwise the bogies overlap (is the "
+                     "wheelbase, that of a bogie, right?)",
                      whole.wheelbase));
-  s.rule("length", reach <= whole.length,
-         fmt::format("is less than the {:g} m that its axles need: axles overlap other vehicles",
-                     reach),
-         {.severity = input::Severity::warning});
+  s.rule(
+      "length", reach <= whole.length,
+      fmt::format("is less than the {:g} m that its axles need (wheelbase, bogie_distance): axles "
+                  "overlap other vehicles",
+                  reach),
+      {.severity = input::Severity::warning});
 }
 
 }  // namespace
