@@ -7,8 +7,8 @@ run.
 writes a state file, which ParaView opens (File > Load State), and a picture of the instant at TIME
 (s), by default of that at which a wheel is nearest to the middle of the bed, or of the last one.
 The picture shows the bed below this wheel, several sleepers long, and a plane model from the side.
-Colours have the range of what the
-picture shows, those of speeds without the fastest 1 %. Ground and solids are drawn displaced, as stones touch them.
+Colours have the range of what the picture shows, those of speeds without the fastest 1 %. Ground
+and solids are drawn displaced, as stones touch them.
 Without a screen: `xvfb-run -a pvbatch ...`.
 """
 import argparse

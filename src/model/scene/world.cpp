@@ -223,7 +223,8 @@ observe::Scene World::scene() {
        {std::pair(Part::wall, Shown::Part::wall), std::pair(Part::placed, Shown::Part::placed),
         std::pair(Part::sleeper, Shown::Part::sleeper),
         std::pair(Part::platen, Shown::Part::platen), std::pair(Part::tine, Shown::Part::tine)})
-    for (const Registered& each : registered(part)) shown.push_back({as, each.surface, each.number});
+    for (const Registered& each : registered(part))
+      shown.push_back({as, each.surface, each.number});
   return {.particles = particles,
           .ground = ground ? &*ground : nullptr,
           .sleepers = sleepers && sleepers->placed() ? &*sleepers : nullptr,
