@@ -19,7 +19,7 @@ from part import part  # noqa: E402
 def commands(text):
     """Words of the lines that check a deck and need no results of a run."""
     for block in re.findall(r"^```\n(.*?)^```", text, re.M | re.S):
-        for line in block.splitlines():
+        for line in block.replace("\\\n", "").splitlines():
             if line.startswith("trackbed check ") and not line.endswith("# run"):
                 yield shlex.split(line)[1:]
 
