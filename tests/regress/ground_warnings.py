@@ -21,10 +21,10 @@ WARNED_OF_SOLIDS = {"load.start=0.3": "load.start = 0.3: the first wheel, at x =
                                       "the rails suddenly"}
 WARNED = {"time.window=2e-5 stage.release.duration=1e-5":
           "time.window = 2e-05: is longer than stage \"release\"",
-          "ground.elements_x=21": "has a side at x = ",
+          "ground.elements_x=21": "inside an element (0.457143 to 0.514286 m)",
           "ground.elements_z=800": "elements are up to 0.06 m long along x, but only 0.00075 m"}
 # Rows of a file of Young's modulus, and words of the warning.
-YOUNG = {"0,80\n2,90\n": "80 Pa is outside the usual values (100000 to 1e+12 Pa)",
+YOUNG = {"0,80\n2,90\n": "80 Pa is outside the usual values (500000 to 3e+11 Pa)",
          "20,8e7\n30,9e7\n": "are outside of the ground (0 to 1.2 m)",
          "-3,8e7\n0,9e7\n": "are outside of the ground (0 to 1.2 m)",
          "0,8e7\n0.3,9e7\n": None}

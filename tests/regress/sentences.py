@@ -201,7 +201,7 @@ WARNED = {"stage.passage.ground_moves=false":
           "jump.exponent=0.2": "has no effect: no stage is of kind jump",
           "jump.period=0.2": "has no effect: no stage is of kind jump",
           "jump.least_friction=0.2": "has no effect: no stage is of kind jump",
-          "ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
+          "ground.layer.soil.young=5": "usual values (500000 to 3e+11 Pa)",
           "material.0.density=2.65": "is its unit right?",
           "load.peak=60e6": "usual values (1000 to 1e+06 N)",
           "sleepers.height=450": "usual values (at most 1 m)",
