@@ -178,9 +178,9 @@ WARNED = {"stage.passage.ground_moves=false":
               "holds the ground, which moves in a stage before: it keeps its deformation",
           "stage.load.settlement=0.2": "usual values (at most 0.002 m)",
           f"{TRAIN} train.speed=120": "usual values (1 to 100 m/s)",
-          f"{TRAIN} stage.load.load=4e3": "loads each sleeper by 5 kN together with seat_force",
-          f"{TRAIN} bed.x=[0,1.8] ground.x=[0,1.8]":
-              "sleepers over 0.3 m before the first and 0.9 m behind the last one",
+          f"{TRAIN} stage.load.load=4e3": "loads each sleeper by 4 kN together with seat_force",
+          f"{TRAIN} bed.x=[0,2.4] ground.x=[0,2.4]":
+              "sleepers over 0.3 m before the first and 1.5 m behind the last one",
           f"{TRAIN} stage.load.kind=settle stage.load.cycles=0 stage.load.load=0 "
           "stage.load.settlement=0": "no stage of kind load comes before the first train",
           f"{TRAIN} stage.passage.duration=0.4 train.speed=30":
@@ -189,9 +189,9 @@ WARNED = {"stage.passage.ground_moves=false":
               "is false in every stage: the ground stays rigid",
           f"{TRAIN} stage.passage.local_damping=0.8": "is large in a stage with a train",
           "stage.load.cycles=100": "gives cycles of 0.0024 s, in which inertia",
-          'ground.block=[{name="first", outline=[0,0, 0.3,0, 0.3,-0.3, 0,-0.3], young=1e9, '
-          'poisson=0.2, density=2400}, {name="second", outline=[0,0, 0.6,0, 0.6,-0.6, 0,-0.6], '
-          'young=1e9, poisson=0.2, density=2400}]': 'block "first" has no element: later blocks',
+          'ground.block=[{name="first",outline=[0,0,0.3,0,0.3,-0.3,0,-0.3],young=1e9,poisson=0.2,'
+          'density=2400},{name="second",outline=[0,0,0.6,0,0.6,-0.6,0,-0.6],young=1e9,'
+          'poisson=0.2,density=2400}]': 'block "first" has no element: later blocks',
           "ground.layer.soil.young=200e3": "usual values",
           "ground.block.structure.young=9.9e12": "usual values",
           f"{TRAIN} pad.damping=25": "is small: usually at least 100 N s/m; is it meant in kN s/m?",
