@@ -44,7 +44,7 @@ stage = [{{name = "rest", kind = "run", duration = 1e5}}]
 
 
 def stones_of(folder, stage):
-    """Number of the stone and place of each cell in the state that was written. Each rank wrote a
+    """Number of the stone and place of each point in the state that was written. Each rank wrote a
     part, in which points and cells begin at 0."""
     found = list(pathlib.Path(folder, "fields").glob(f"failed_{stage}_*_stones.hdf"))
     if len(found) != 1:
@@ -55,12 +55,14 @@ def stones_of(folder, stage):
                  "Connectivity", "Points", "CellData/stone")}
     begins = [np.cumsum([0, *grid[f"NumberOf{what}"]]) for what in
               ("Points", "Cells", "ConnectivityIds")]
-    places = []
+    numbers, places = [], []
     for part, cells in enumerate(grid["NumberOfCells"]):
         points, first_cell, ids = (begin[part] for begin in begins)
-        offsets = grid["Offsets"][first_cell + part:][:cells]
-        places.append(grid["Points"][points + grid["Connectivity"][ids + offsets]])
-    return grid["CellData/stone"].astype(int), np.concatenate(places)
+        offsets = grid["Offsets"][first_cell + part:][:cells + 1]
+        nodes = grid["Connectivity"][ids:ids + offsets[-1]]
+        numbers.append(np.repeat(grid["CellData/stone"][first_cell:][:cells], np.diff(offsets)))
+        places.append(grid["Points"][points + nodes])
+    return np.concatenate(numbers).astype(int), np.concatenate(places)
 
 
 def check_message(ran, folder, stage, words):
