@@ -201,8 +201,9 @@ def displaced(grid):
 
 def pieces_of(part, grid, ends, parts=()):
     """(name in PLAIN, grid) of the things that a part consists of, in a picture with other parts,
-    and wheels only between the ends, along the track, of these. Solid sleepers are drawn as solids:
-    the same faces twice would be striped."""
+    and rail and wheels only between the ends, along the track, of these: files have the rail of the
+    whole track, which would go on over the colour bar. Solid sleepers are drawn as solids: the same
+    faces twice would be striped."""
     from vtk.util.numpy_support import vtk_to_numpy
     import numpy as np
     if part in AT_REST:
@@ -214,8 +215,8 @@ def pieces_of(part, grid, ends, parts=()):
     kind = vtk_to_numpy(kind)
     if part == "train":
         middle = np.array([np.mean(grid.GetCell(k).GetBounds()[:2]) for k in range(len(kind))])
-        grouped = {"rail": kind < 0,
-                   "wheels": (kind >= 0) & (middle >= ends[0]) & (middle <= ends[1])}
+        there = (middle >= ends[0]) & (middle <= ends[1])
+        grouped = {"rail": (kind < 0) & there, "wheels": (kind >= 0) & there}
     else:
         grouped = {"walls": kind == WALL, "sleepers": kind == SLEEPER,
                    "bodies": (kind != WALL) & (kind != SLEEPER)}

@@ -3,7 +3,8 @@ import dataclasses
 
 from trackbed_post import read
 
-USUAL = {"stones": "velocity", "contacts": "force"}  # part -> array, unless another is given
+# Part -> array by which it is coloured, unless another is given.
+USUAL = {"stones": "velocity", "contacts": "force", "surfaces": "sleeper_displacement"}
 
 
 def read_grid(path):

@@ -68,13 +68,18 @@ def write_surfaces(path):
 
 
 def write_train(path):
-    """A rail with its top at z = 1, a wheel on it and one beyond the bed."""
+    """A rail with its top at z = 1 in pieces of 0.5 m, also beside the bed, a wheel on it and one
+    beyond the bed."""
     angle = 2 * np.pi * np.arange(64) / 64
+    x = np.arange(-3, 10, 0.5)
+    rail = np.column_stack([x, 0 * x, 1 + 0 * x]).repeat(2, axis=0)[1:-1]
+    pieces = np.arange(len(rail)).reshape(-1, 2)
     rims = [np.column_stack([x + 0.4 * np.cos(angle), 0 * angle, 1.4 + 0.4 * np.sin(angle)])
             for x in (1.5, 9.0)]
-    write_grid(path, np.concatenate([[[0, 0, 1], [3, 0, 1]], *rims]),
-               [[0, 1], 2 + np.arange(64), 66 + np.arange(64)], [LINE, POLYGON, POLYGON],
-               cell_data={"wheel": ([-1, 0, 1], "1")})
+    write_grid(path, np.concatenate([rail, *rims]),
+               [*pieces, len(rail) + np.arange(64), len(rail) + 64 + np.arange(64)],
+               [LINE] * len(pieces) + [POLYGON] * 2,
+               cell_data={"wheel": ([-1] * len(pieces) + [0, 1], "1")})
 
 
 def write_ground(path):
@@ -133,7 +138,7 @@ def per_metre(low, high):
 def test_all_parts_of_an_instant_are_in_one_picture_with_one_camera(run, tmp_path):
     done = call("still", run, "-o", tmp_path / "all.png")
     assert done.returncode == 0, done.stderr
-    assert "load, 0.5 s, stones surfaces train ground: 33 cells" in done.stdout
+    assert "load, 0.5 s, stones surfaces train ground: 57 cells" in done.stdout
     picture, scale = pixels(tmp_path / "all.png"), per_metre((0, 0, -1), (3, 0, 1.8))
     areas = {"ground": 3.0, "sleepers": 0.2, "bodies": 0.06, "rail": 3 * 0.172,
              "wheels": np.pi * 0.4**2}
@@ -177,6 +182,34 @@ def test_contacts_are_coloured_by_their_force(tmp_path):
     survey.add({"contacts": path})
     assert survey.colouring().words() == "force from 5 to 8 N"
     assert survey.colouring("alpha").words() == "alpha from 1 to 2 m"
+
+
+def test_surfaces_are_coloured_by_how_sleepers_moved(tmp_path):
+    """Not by their number, which comes first in the file."""
+    path = tmp_path / "load_000003_surfaces.hdf"
+    moved = np.zeros((24, 3))
+    moved[:12, 2] = -2e-3
+    write_grid(path, np.concatenate([brick(*SLEEPER), brick(*PLATEN)]),
+               np.concatenate([FACES, 8 + FACES]), TRIANGLE,
+               cell_data={"number": ([1] * 12 + [2] * 12, "1"), "part": ([2] * 12 + [3] * 12, "1"),
+                          "sleeper_displacement": (moved, "m")})
+    survey = grids.Survey("surfaces")
+    survey.add({"surfaces": path})
+    assert survey.colouring().words() == "sleeper_displacement from 0 to 0.002 m"
+
+
+def test_all_balls_of_a_stone_have_its_colour(tmp_path):
+    """Stones are cells of several points, their arrays those of cells."""
+    path = tmp_path / "load_000003_stones.hdf"
+    write_grid(path, [[x, 0, 0.3] for x in (0, 1, 2)], [[0, 1], [2]], VERTICES,
+               {"radius": ([0.3] * 3, "m")}, {"velocity": ([[0, 0, 1], [0, 0, 3]], "m/s")})
+    done = call("still", path, "-o", tmp_path / "stones.png")
+    assert done.returncode == 0 and "2 cells" in done.stdout, done.stderr
+    picture, scale = pixels(tmp_path / "stones.png"), per_metre((-0.3, 0, 0), (2.3, 0, 0.6))
+    for colour, balls in (((68, 1, 84), 2), ((253, 231, 37), 1)):
+        found = np.abs(picture[:, :1020] - colour).max(axis=2) <= 12
+        area = np.pi * (0.3 * scale)**2
+        assert 0.05 * balls * area < found.sum() < balls * area, colour  # balls are shaded
 
 
 def test_parts_and_time_choose(run, tmp_path):
