@@ -2,7 +2,7 @@
 which are nan beside the track; on two rails each axle has its left wheel before its right one."""
 import numpy as np
 
-APART = 3.0  # m; a train that is further from a bed does not deflect it
+APART = 3.0  # m; a train that is further from the first sleeper of a bed does not deflect the bed
 SAME = 0.01  # m; axles of equal vehicles are at equal distances up to this
 
 
@@ -50,11 +50,11 @@ def rows_of_trains(wheel_x: np.ndarray) -> list[np.ndarray]:
     return [rows for rows in np.split(there, ends) if len(rows)]
 
 
-def row_before_train(first_axle_x: np.ndarray, bed_begin: float) -> int:
-    """The last row before the first axle is within APART of the bed; the first row if there is
-    none. At first the pads carry no force, and until the train comes rail and sleepers move to
-    their common equilibrium."""
-    near = np.flatnonzero(first_axle_x > bed_begin - APART)
+def row_before_train(first_axle_x: np.ndarray, first_sleeper: float) -> int:
+    """The last row before the first axle is within APART of the first sleeper of the bed, x in m;
+    the first row if there is none. At first the pads carry no force, and until the train comes rail
+    and sleepers move to their common equilibrium."""
+    near = np.flatnonzero(first_axle_x > first_sleeper - APART)
     return max(int(near[0]) - 1, 0) if len(near) else 0
 
 

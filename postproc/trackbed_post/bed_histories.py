@@ -3,8 +3,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from trackbed_post import measures, signals, train_strip
-from trackbed_post.bed_figures import needs
-from trackbed_post.panels import LINES, UP
+from trackbed_post.bed_figures import COLOURS, needs
+from trackbed_post.panels import LINES, UP, wrapped
 
 FILTER = signals.LowPass()
 MOST = 4              # sensors below the train
@@ -88,6 +88,66 @@ def stress_paths(runs):
     return figure
 
 
+def since_stage_began(run, values):
+    """(time, s; values less those of the first row of their stage), with nan between stages."""
+    begins = np.flatnonzero(np.diff(run.stage)) + 1
+    time, parts = np.split(run.time, begins), np.split(values.ravel(), begins)
+    gap = [np.nan]
+    return (np.concatenate([np.append(one, gap) for one in time])[:-1],
+            np.concatenate([np.append(one - one[0], gap) for one in parts])[:-1])
+
+
+def steps_between_stages(run, values, least):
+    """Words for each change from the last row of a stage to the first of the next that is larger
+    than `least`, J."""
+    values = values.ravel()
+    names = [stage["name"] for stage in run.deck["stage"]]
+    return [f"{run.name}, begin of {names[run.stage[k]]}: {step / 1e3:.3g} kJ"
+            for k in np.flatnonzero(np.diff(run.stage)) + 1
+            if abs(step := values[k] - values[k - 1]) > least]
+
+
+def draw_potential(runs, colours, panel):
+    """The change in each stage: when stones are removed between two stages, the change since the
+    run began would hide all others. A remark states these steps."""
+    steps = []
+    for run, colour in zip(runs, colours):
+        values = run.energy["potential"].values
+        time, change = since_stage_began(run, values)
+        panel.plot(time, change, color=colour, lw=1, label=run.name)
+        steps += steps_between_stages(run, values, np.ptp(change[np.isfinite(change)]))
+    panel.set_ylabel("potential, change since\nthe stage began (J)")
+    if steps:
+        panel.set_title(wrapped("not shown, as stones were removed or placed: "
+                                + "; ".join(steps), 9, 9), fontsize=9)
+
+
+def energy(runs):
+    """Energies of the stones over the whole run; the potential energy as its change since each
+    stage began, so that a variant that started at a later stage is comparable."""
+    needs(all(run.energy for run in runs), "the results contain no energies")
+    shown = (("kinetic", "kinetic (J)"), ("elastic", "elastic, contacts (J)"))
+    figure, panels = plt.subplots(3, 1, sharex=True, figsize=(9, 8))
+    text = []
+    for run, colour in zip(runs, COLOURS):
+        for panel, (name, label) in zip(panels, shown):
+            panel.plot(run.time, run.energy[name].values, color=colour, lw=1, label=run.name)
+            panel.set_ylabel(label)
+        text.append(f"{run.name}: last kinetic {run.energy['kinetic'].values[-1]:.3g} J")
+    draw_potential(runs, COLOURS, panels[2])
+    panels[0].set_yscale("log")  # from kJ of falling stones to below mJ at rest
+    begins = {begin for run in runs for begin in run.time[1:][np.diff(run.stage) != 0]}
+    for panel in panels:
+        panel.grid(alpha=0.3)
+        for begin in begins:
+            panel.axvline(begin, color="0.4", lw=0.6, ls=":")
+    panels[0].legend(fontsize=8)
+    panels[0].set_title(wrapped("Energies of the stones (dotted: a stage begins)\n"
+                                + "; ".join(text), 9), fontsize=10)
+    panels[-1].set_xlabel("simulated time (s)")
+    return figure
+
+
 def energy_split(runs):
     """What was dissipated since the last stage began, by cause, beside what surfaces supplied less
     what the stones store."""
@@ -112,5 +172,5 @@ def energy_split(runs):
     return figure
 
 
-FIGURES = {"sensors": sensors, "stress_paths": stress_paths,
+FIGURES = {"energy": energy, "sensors": sensors, "stress_paths": stress_paths,
            "energy_split": energy_split}

@@ -13,7 +13,7 @@ from trackbed_post import (bed_figures, bed_histories, bed_warnings, figure_csv,
                            shades, signals, sleeper_histories, stage_histories, support,
                            support_figure, write)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
-from trackbed_post.panels import UP, legend_below
+from trackbed_post.panels import UP, legend_below, mark_ends, wrapped
 
 FILTER = signals.LowPass()
 SHOWN_HZ = 20         # least upper end of the spectra
@@ -48,8 +48,11 @@ def envelope(runs):
         lower.plot(run.ground_x[order], ground[order], color=colour, lw=1.2,
                    label=f"ground surface, {run.name}")
         if "displacement_min" in run.sleeper_envelope:
-            upper.plot(run.sleepers_x, run.sleeper_envelope["displacement_min"].values * 1e3, "o-",
-                       color=colour, lw=1, ms=4, label=f"sleepers, {run.name}")
+            lowest = run.sleeper_envelope["displacement_min"].values * 1e3
+            upper.plot(run.sleepers_x, lowest, "o-", color=colour, lw=1, ms=4,
+                       label=f"sleepers, {run.name}")
+            mark_ends(upper, run.sleepers_x, lowest, ground_blocks.ends(run), colour,
+                      run is runs[-1])
         text.append(f"run {run.name}: {-np.min(ground):.3f} mm")
     for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
         mark_blocks(panel, runs[0])
@@ -59,8 +62,9 @@ def envelope(runs):
     for panel in (upper, lower):
         if panel.lines:
             legend_below(panel)
-    upper.set_title("Envelope relative to the beginning of the passage; largest downward "
-                    "displacement of\nthe ground's surface, " + "; ".join(text), fontsize=10)
+    upper.set_title(wrapped(
+        f"Envelope of the {measures.passage_words(runs)}, relative to its beginning; largest "
+        f"downward displacement of the ground's surface, {'; '.join(text)}", 9), fontsize=10)
     return figure
 
 
@@ -82,15 +86,26 @@ def stress(runs):
     mark_blocks(panel, runs[0])
     panel.set_xlabel("x along the track (m)")
     panel.set_ylabel("largest vertical compression of the\nground surface in the passage (kPa)")
-    panel.set_title(f"Compression {STRESS_COUNTS}\n" + "; ".join(text), fontsize=10)
+    panel.set_title(wrapped(f"Compression {STRESS_COUNTS}\n" + "; ".join(text), 9), fontsize=10)
     legend_below(panel)
     panel.grid(alpha=0.3)
     return figure
 
 
-def peak_text(peak, reach, height, unit):
-    return f"no peak that stands out within {reach:.2g} Hz" if peak is None \
-        else f"peak at {peak:.2f} Hz, {height:.3g} {unit}"
+def peak_text(spectrum, target, peak, reach, unit):
+    """A peak, or what is there instead: the highest lobe near the passing frequency, which is not
+    above its neighbours."""
+    if peak is not None:
+        return f"peak at {peak:.2f} Hz, {np.interp(peak, *spectrum):.3g} {unit}"
+    frequency, amplitude = spectrum
+    near = np.flatnonzero(np.abs(frequency - target) <= reach)
+    if not len(near):
+        return "beyond the spectrum"
+    most = near[np.argmax(amplitude[near])]
+    beside = "below 2 % of the highest lobe" if amplitude[most] < signals.LEAST_PEAK * max(
+        amplitude) else "not above the lobes beside it"
+    return (f"no peak: at most {amplitude[most]:.3g} {unit} within {reach:.2g} Hz (at "
+            f"{frequency[most]:.2f} Hz), {beside}")
 
 
 SPECTRA = {"acceleration": ("m/s2", 1), "displacement": ("mm", 1e3), "seat_force": ("kN", 1e-3)}
@@ -125,8 +140,7 @@ def lines_of_peaks(name, spectrum, marks):
     """Those of the table for one quantity: each passing frequency and its peak."""
     unit = SPECTRA[name][0]
     return [f"  {name.replace('_', ' '):<16}{f'{mark} = {marks[mark]:.2f} Hz':<24}"
-            + peak_text(peak, frequencies.reach(marks, mark),
-                        peak and np.interp(peak, *spectrum), unit)
+            + peak_text(spectrum, marks[mark], peak, frequencies.reach(marks, mark), unit)
             for mark, peak in peaks_of(*spectrum, marks).items()]
 
 
@@ -138,7 +152,8 @@ def table_of_peaks(runs):
         marks = frequencies.of_passage(run)
         if not marks or not run.sleeper or signals.step_of(run.time[run.passage()]) is None:
             continue
-        lines += ["", f"spectra of sleepers near the passing frequencies, {run.name}"]
+        lines += ["", f"spectra of sleepers near the passing frequencies, {run.name}, "
+                  f"{measures.passage_words([run])}"]
         for name in SPECTRA:
             lines += lines_of_peaks(name, spectrum_of(run, name), marks)
     return "\n".join(lines) + "\n" if lines else ""
@@ -167,18 +182,19 @@ def spectra(runs):
             panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
     for panel in panels:
         for mark, target in marks.items():
-            panel.axvline(target, color="0.4", lw=0.8, ls=":")
+            panel.axvline(target, color="0.4", lw=0.8, ls=":",
+                          label=f"{mark} = {target:.1f} Hz, {frequencies.MEANINGS[mark]}")
             panel.text(target, 0.97, f" {mark}", transform=panel.get_xaxis_transform(), va="top",
                        rotation=90, ha="right", fontsize=8)
         panel.grid(alpha=0.3)
     sampled = runs[0].time[runs[0].passage()]
     panels[0].set_ylabel(f"acceleration (m/s2)\n{FILTER.name_for(sampled)}", fontsize=9)
     left_out = measures.without_ends(runs[0])
-    words = ", ".join(f"{mark} = {target:.1f} Hz" for mark, target in marks.items())
     panels[-1].set_xlabel("frequency (Hz)")
     legend_below(panels[-1], handles=shown_by_name(panels))
-    panels[0].set_title(f"Spectra of sleepers, root mean square {left_out or 'over all'}\n{words}",
-                        fontsize=10)
+    panels[0].set_title(wrapped(
+        f"Spectra of sleepers in the {measures.passage_words(runs)}, root mean square "
+        f"{left_out or 'over all'}", 9), fontsize=10)
     return figure
 
 
@@ -250,35 +266,6 @@ def force_chains(runs):
     return figure
 
 
-def energy(runs):
-    """Energies of the stones over the whole run. The potential energy is relative to the same value
-    for all runs, so that a variant that started at a later stage is comparable."""
-    needs(all(run.energy for run in runs), "the results contain no energies")
-    earliest = min(runs, key=lambda run: run.time[0])
-    zero = earliest.energy["potential"].values[0]
-    shown = (("kinetic", "kinetic (J)", 0.0), ("elastic", "elastic, contacts (J)", 0.0),
-             ("potential", f"potential, change since\n{earliest.name} began (J)", zero))
-    figure, panels = plt.subplots(len(shown), 1, sharex=True, figsize=(9, 8))
-    text = []
-    for run, colour in zip(runs, COLOURS):
-        for panel, (name, label, origin) in zip(panels, shown):
-            panel.plot(run.time, run.energy[name].values - origin, color=colour, lw=1,
-                       label=run.name)
-            panel.set_ylabel(label)
-        text.append(f"{run.name}: last kinetic {run.energy['kinetic'].values[-1]:.3g} J")
-    panels[0].set_yscale("log")  # from kJ of falling stones to below mJ at rest
-    begins = {begin for run in runs for begin in run.time[1:][np.diff(run.stage) != 0]}
-    for panel in panels:
-        panel.grid(alpha=0.3)
-        for begin in begins:
-            panel.axvline(begin, color="0.4", lw=0.6, ls=":")
-    panels[0].legend(fontsize=8)
-    panels[0].set_title("Energies of the stones (dotted: a stage begins); " + "; ".join(text),
-                        fontsize=10)
-    panels[-1].set_xlabel("simulated time (s)")
-    return figure
-
-
 def draw_bed(panel, run):
     """Force chains of the whole bed, with z stretched, as it is long and thin."""
     stage = under_load(run)
@@ -286,8 +273,9 @@ def draw_bed(panel, run):
     draw_chains(panel, chains, run.stones.get(stage), float(np.max(chains.force)))
     panel.set_aspect("auto")
     panel.set_ylim(0, np.max(chains.segments[:, 1::2]) + 0.05)
-    panel.set_title(f"Contact forces in the bed ({run.name}, {load_text(run, stage)}, thickest "
-                    f"line {np.max(chains.force) / 1e3:.1f} kN; z stretched)", fontsize=10)
+    panel.set_title(wrapped(
+        f"Contact forces in the bed ({run.name}, {load_text(run, stage)}, thickest line "
+        f"{np.max(chains.force) / 1e3:.1f} kN; z stretched)", 11), fontsize=10)
 
 
 def overview(runs):
@@ -317,11 +305,13 @@ def overview(runs):
 
 
 FIGURES = {"overview": overview, "sleepers": sleeper_histories.draw, "envelope": envelope,
-           "stress": stress, "spectrum": spectra, "force_chains": force_chains, "energy": energy,
+           "stress": stress, "spectrum": spectra, "force_chains": force_chains,
            **bed_figures.FIGURES, **bed_histories.FIGURES, "support": support_figure.draw,
            **stage_histories.FIGURES}
 
 
+# They show the rows of the passage, or of the last stage of a run without one.
+OF_PASSAGE = {"sleepers", "spectrum", "support", "sensors", "stress_paths"}
 # They show the ends of stages.
 ENDS = {"overview", "force_chains", "forces", "grading", "section"}
 
@@ -329,6 +319,7 @@ ENDS = {"overview", "force_chains", "forces", "grading", "section"}
 def draw_all(runs, folder, ends=True):
     """Draws every figure, or those that do not show the ends of stages, and the table into a
     write.Folder."""
+    unlike = measures.why_not_beside(runs)
     for name, draw in FIGURES.items():
         if name in ENDS and not ends:
             continue
@@ -337,6 +328,7 @@ def draw_all(runs, folder, ends=True):
         if has and not any(has(run) for run in runs):
             continue  # a remark on every bed without what is optional would not help
         try:
+            needs(name not in OF_PASSAGE or not unlike, unlike)
             figure = draw(runs)
         except Missing as missing:
             folder.remarks.append(f"{name}.png is skipped: {missing}")

@@ -7,6 +7,11 @@ from trackbed_post import axles, ground_blocks, measures, read
 AXLE_GAP = 4.0  # m; axles that are closer form a bogie
 
 
+# What the speed v is divided by.
+MEANINGS = {"v/L_v": "L_v: length of a vehicle", "v/L_c": "L_c: distance of bogie centres",
+            "v/L_w": "L_w: wheelbase", "v/s": "s: sleeper spacing"}
+
+
 def bogies_of(places: np.ndarray) -> list[np.ndarray]:
     """Places of the axles of each bogie, m, from the smallest; a wagon without bogies has groups of
     one axle."""

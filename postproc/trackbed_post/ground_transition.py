@@ -35,7 +35,7 @@ class Transition:
     stress_structure: float         # Pa, mean over one sleeper spacing before the edge
     stress_beyond: float            # Pa, the same behind the edge
     stress_scatter: float           # Pa, largest difference of these means on plain track
-    sleeper_displacement: float     # m, largest of all sleepers
+    sleeper_displacement: float     # m, largest of those that are not at the ends of the bed
     sleeper_residual: float         # m, largest magnitude after the passage
 
     @property
@@ -134,8 +134,8 @@ def transition(results: read.Results, wedge: float = 0.0) -> Transition | None:
     before, behind = _beside(distance, compression, 0.0, reach)
     turn = ground_blocks.direction(results, edge)
     places = edge + turn * distance[plain] if plain.any() else np.array([NOWHERE])
-    sleeper, residual = results.sleeper_envelope.get("displacement_min"), \
-        measures.residual_displacement(results)
+    residual = measures.residual_displacement(results)
+    residual = residual[~ground_blocks.ends(results)[:len(residual)]]
     known = len(residual) and measures.train_has_left(results)
     return Transition(
         edge=edge, structure_displacement=start, far_displacement=end,
@@ -145,7 +145,7 @@ def transition(results: read.Results, wedge: float = 0.0) -> Transition | None:
         steepest=steepest, steepest_x=edge + turn * where,
         edge_slope=at_edge, slope_scatter=on_plain, stress_structure=before, stress_beyond=behind,
         stress_scatter=_jumps(distance, compression, plain, reach),
-        sleeper_displacement=float(np.max(-sleeper.values)) if sleeper else NOWHERE,
+        sleeper_displacement=measures.largest_sleeper_displacement(results),
         sleeper_residual=float(np.max(np.abs(residual))) if known else NOWHERE)
 
 
@@ -204,6 +204,8 @@ def table(runs: Runs, unsound: str = "") -> str:
         lines.append(line)
     lines += ["", "stresses: added by the passage; without weight of the bed and static "
               "preload"]
+    if left_out := measures.without_ends(runs[0]):
+        lines.append(f"sleepers: {left_out}")
     if not np.isfinite(found[0].far_displacement):
         lines.append(f"this model has no {plain_track(found)}: the width of the transition is not "
                      "defined")

@@ -9,7 +9,7 @@ import typing
 import numpy as np
 from numpy.typing import ArrayLike
 
-from trackbed_post import axles, ground_blocks, read
+from trackbed_post import axles, ground_blocks, progress, read
 
 LASTING = 1e-3   # m, a larger residual displacement of a sleeper means that stones have moved
 TINY = ground_blocks.TINY
@@ -71,11 +71,33 @@ def train_has_left(results: read.Results) -> bool:
     return bool(first - max(load["axles"]) >= end)
 
 
+def stage_shown(run: read.Results) -> str:
+    """Name of the stage of the rows of `passage`."""
+    return str(run.deck["stage"][int(run.stage[run.passage()][0])].get("name", ""))
+
+
+def several_passages(run: read.Results) -> bool:
+    """Whether the deck has several stages of kind passage, so that the shown one must be named."""
+    return [stage.get("kind") for stage in run.deck.get("stage", [])].count("passage") > 1
+
+
 def passage_words(runs: collections.abc.Sequence[read.Results]) -> str:
-    """What the rows of `passage` of these runs are, in titles."""
+    """What the rows of `passage` of these runs are, in titles, with the name of the stage if it is
+    not the only passage."""
+    names = ", ".join(dict.fromkeys(map(stage_shown, runs)))
     if not all(run.has_passage() for run in runs):
-        return "last stage"
-    return "passage" if all(map(train_has_left, runs)) else "unfinished passage"
+        return f"last stage ({names})"
+    words = "passage" if all(map(train_has_left, runs)) else "unfinished passage"
+    return f"{words} (stage {names})" if any(map(several_passages, runs)) else words
+
+
+def why_not_beside(runs: collections.abc.Sequence[read.Results]) -> str:
+    """Why rows of `passage` of these runs cannot be drawn beside each other, as some are those of
+    an earlier stage; empty if they can."""
+    if len({run.has_passage() for run in runs}) == 1:
+        return ""
+    return "; ".join(f"{run.name} contains no passage: {_why_no_passage(run)}"
+                     for run in runs if not run.has_passage())
 
 
 def row_before_train(results: read.Results) -> int:
@@ -92,6 +114,15 @@ def row_before_train(results: read.Results) -> int:
     return int(first[axles.row_before_train(x[first, 0], results.sleepers_x[0])])
 
 
+def largest_sleeper_displacement(results: read.Results) -> float:
+    """Largest downward displacement of a sleeper that is not at the ends of the bed, m, since the
+    passage began; not known (NOWHERE) without envelopes."""
+    if "displacement_min" not in results.sleeper_envelope:
+        return NOWHERE
+    lowest = results.sleeper_envelope["displacement_min"].values.ravel()
+    return float(-lowest[~ground_blocks.ends(results)].min(initial=np.inf))
+
+
 def residual_displacement(results: read.Results) -> np.ndarray:
     """Residual downward displacement of each sleeper, m: from the row of the passage before the
     train to its last one."""
@@ -101,12 +132,18 @@ def residual_displacement(results: read.Results) -> np.ndarray:
     return height[row_before_train(results)] - height[-1]
 
 
+def _why_no_passage(results: read.Results) -> str:
+    if not results.asks_for_passage():
+        return "the deck has no stage of kind passage"
+    if results.folder is None:
+        return "the run was stopped before it"
+    return progress.before_stage(results.folder, results.passage_stage()[0])
+
+
 def why_no_envelope(results: read.Results) -> str:
     """Why a run has no envelope of the ground in its passage; empty if it has one."""
     if not results.has_passage():
-        return f"{results.name} contains no passage: " + (
-            "the run was stopped before it" if results.asks_for_passage() else
-            "the deck has no stage of kind passage")
+        return f"{results.name} contains no passage: {_why_no_passage(results)}"
     if {"displacement_min", "sigma_z_min"} <= results.ground_envelope.keys():
         return ""
     if not has_ground(results):
@@ -241,11 +278,13 @@ def chosen_sleepers(run: read.Results) -> list[int]:
     return [int(inner[k]) for k in sorted(shown if len(shown) == 3 else shown | {middle})]
 
 
+NUMBERS = {ground_blocks.WALLS: "one", ground_blocks.ENDS: "three"}
+
+
 def without_ends(run: read.Results) -> str:
     """How many sleepers are left out, for legends; empty if none are."""
-    count = int(np.count_nonzero(ground_blocks.ends(run)))
-    words = "sleepers" if count > 2 else "sleeper"
-    return f"without {count // 2} {words} at each end of the bed" if count else ""
+    count = int(np.count_nonzero(ground_blocks.ends(run))) // 2
+    return f"without the {NUMBERS[count]} at each end of the bed" if count else ""
 
 
 def passing(sieved: np.ndarray, openings: ArrayLike) -> np.ndarray:

@@ -1,6 +1,7 @@
 """What panels of several figures have in common: the sign of displacements, lines and markers,
 names of axles, legends that hide no curve."""
 import collections.abc
+import textwrap
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -10,6 +11,8 @@ from matplotlib.transforms import IdentityTransform, ScaledTranslation
 LINES = ("-", "--", "-.", ":")  # of runs in turn
 MARKERS = "osv^DP*X"            # of measured curves, or of axles, in turn
 UP = "mm, up positive"  # of displacements on axes; docs/postproc.md states what is down positive
+LETTER = 0.55           # mean width of a letter, as a part of the size of letters
+HANDLE = 4.8            # of this size: width of line and gaps of a column of a legend
 BELOW_LABELS = 0.5      # inches, from a panel to what is below the labels of its x axis
 
 
@@ -27,16 +30,38 @@ def mark_ends(panel: Axes, x: np.ndarray, values: np.ndarray, ends: np.ndarray,
                    label="end of the bed (hollow)" if name else "_")
 
 
+def wrapped(text: str, wide: float, size: float = 10) -> str:
+    """A title in lines that are not longer than `wide`, inches, at a size of letters in points;
+    breaks that it has are kept."""
+    letters = max(20, int(0.84 * wide * 72 / (LETTER * size)))
+    return "\n".join("\n".join(textwrap.wrap(line, letters)) for line in text.split("\n"))
+
+
+def columns_within(labels: collections.abc.Iterable[str], most: int, wide: float,
+                   size: float) -> int:
+    """How many columns, at most `most`, of a legend with these labels are not wider than `wide`,
+    inches."""
+    longest = max(map(len, labels), default=0)
+    return max(1, min(most, int(wide * 72 / (size * (LETTER * longest + HANDLE)))))
+
+
 def legend_above(panel: Axes, columns: int = 4, size: float = 8) -> None:
-    """A legend between the panel and what is above it."""
+    """A legend of at most so many columns between the panel and what is above it."""
+    columns = columns_within(panel.get_legend_handles_labels()[1], columns,
+                             panel.bbox.width / panel.figure.dpi, size)
     panel.legend(loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.2, ncols=columns,
                  fontsize=size, frameon=False)
 
 
 def legend_below(panel: Axes, columns: int = 2, size: float = 8,
-                 handles: collections.abc.Sequence[Artist] | None = None) -> None:
-    """A legend below the label of the panel's x axis, for panels with a title; `handles`: what it
-    shows, by default all of the panel."""
+                 handles: collections.abc.Sequence[Artist] | None = None,
+                 wide: float | None = None) -> None:
+    """A legend of at most so many columns below the label of the panel's x axis, for panels with a
+    title; `handles`: what it shows, by default all of the panel; `wide`: inches that it may have,
+    by default those of the figure."""
+    labels = panel.get_legend_handles_labels()[1] if handles is None else [
+        str(one.get_label()) for one in handles]
+    columns = columns_within(labels, columns, wide or panel.figure.get_figwidth(), size)
     down = ScaledTranslation(0, -BELOW_LABELS, panel.figure.dpi_scale_trans)
     panel.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0), ncols=columns,
                  fontsize=size, frameon=False, borderaxespad=0,

@@ -66,6 +66,32 @@ def _last(events: collections.abc.Sequence[Event], kind: str) -> Event:
     return next((one for one in reversed(events) if one.get("event") == kind), {})
 
 
+def _part_done(event: Event) -> str:
+    """Of the windows of its stage, in brackets; empty if their number is not known."""
+    at_most = event.get("windows_at_most", 0)
+    return f" ({100 * event.get('window', 0) / at_most:.0f} % of its windows)" if at_most else ""
+
+
+def before_stage(folder: pathlib.Path, number: int) -> str:
+    """Why the histories of a run have no row of a stage, counted from 0: whether it computes, and
+    where it is or was, in words."""
+    events = events_of(folder)
+    last = events[-1] if events else {}
+    at = last.get("stage_number", 0)
+    where = f"stage {last.get('stage')}, {at} of {last.get('stages')}{_part_done(last)}"
+    there = at > number
+    if computes(folder):
+        return "the run is computing" + (
+            "" if not events else f" it ({where}), and its histories are written later" if there
+            else f" and has not come to it ({where})")
+    ending = "was stopped"
+    if events:
+        ending = {"failed": "failed"}.get(str(last.get("outcome")), ending) \
+            if last.get("event") == "end" else "was killed"
+    return f"the run {ending} " + ("in it, before its histories were written" if there
+                                   else "before it")
+
+
 def facts_of(folder: pathlib.Path) -> dict[str, str]:
     """Names and texts of the present state; empty without events."""
     events = events_of(folder)
@@ -80,10 +106,8 @@ def facts_of(folder: pathlib.Path) -> dict[str, str]:
         found["run"] = f"{end.get('outcome', 'ended')}{message}"
     else:
         found["run"] = "was killed"
-    at_most = last.get("windows_at_most", 0)
-    done = f" ({100 * last.get('window', 0) / at_most:.0f} % of its windows)" if at_most else ""
     found["stage"] = (f"{last.get('stage_number')} of {last.get('stages')}, "
-                      f"{last.get('stage')}{done}")
+                      f"{last.get('stage')}{_part_done(last)}")
     found["simulated time, s"] = f"{last.get('time_s', 0):.6g}"
     command = max(k for k, one in enumerate(events) if k == 0 or one.get("event") == "begin")
     present = _last(events[command:], "progress")

@@ -91,6 +91,7 @@ class Results:
     surface: dict[str, np.ndarray]  # stage -> rows x, y, z of the bed's top, m; z nan: no stone
     breaks: dict[str, np.ndarray]   # stage -> rows of BREAK, pebbles that broke off up to its end
     bonds: dict[str, Bonds]         # stage -> those at its end
+    folder: pathlib.Path | None = None  # with the files of the run beside results.h5
 
     def _last_passage(self) -> int:
         """Number of the last passage stage, or -1; earlier passages bed the sleepers in."""
@@ -99,6 +100,11 @@ class Results:
 
     def asks_for_passage(self) -> bool:
         return self._last_passage() >= 0
+
+    def passage_stage(self) -> tuple[int, str]:
+        """Number, from 0, and name of the last passage stage; (-1, nothing) without one."""
+        number = self._last_passage()
+        return number, str(self.deck["stage"][number].get("name", "")) if number >= 0 else ""
 
     def has_passage(self) -> bool:
         """Whether the passage has rows: a run may have been stopped before."""
@@ -288,7 +294,8 @@ def _results(file_path: pathlib.Path, file: h5py.File) -> Results:
         breaks={name: _breaks(breaks[name][()]) for name in in_order(breaks, deck)},
         bonds={name: Bonds(*(bonds[name][part][()].reshape(-1, len(columns))
                              for part, columns in (("whole", WHOLE), ("broken", BROKEN))))
-               for name in in_order(bonds, deck)})
+               for name in in_order(bonds, deck)},
+        folder=file_path.parent)
 
 
 def folder_of(path: pathlib.Path | str) -> pathlib.Path:

@@ -17,6 +17,7 @@ GRAVITY = 9.81  # m/s^2
 FILTER = signals.LowPass()
 MARKS = 12      # of a curve
 SIZE = 4        # points, of a marker
+WIDE = 9        # inches
 
 Runs = collections.abc.Sequence[read.Results]
 
@@ -27,9 +28,12 @@ def _since_begin(run: read.Results) -> np.ndarray:
     return 1e3 * (moved - moved[0])
 
 
-def _lowest(run: read.Results) -> float:
-    """Of the sleepers that are not at the ends of the bed, mm."""
-    return float(_since_begin(run)[:, ~ground_blocks.ends(run)].min())
+def _lowest_words(runs: Runs) -> str:
+    """The lowest displacement of the sleepers that are not at the ends of the bed, in words."""
+    left_out = measures.without_ends(runs[0])
+    lowest = (f"{run.name} {_since_begin(run)[:, ~ground_blocks.ends(run)].min():.3f} mm"
+              for run in runs)
+    return f"lowest of all{f' {left_out}' if left_out else ''}: {', '.join(lowest)}"
 
 
 def _values(run: read.Results, time: np.ndarray) -> list[np.ndarray]:
@@ -77,7 +81,7 @@ def draw(runs: Runs) -> plt.Figure:
     places = [train_strip.Place(runs[0].sleepers_x[k], f"x = {runs[0].sleepers_x[k]:.2f} m",
                                 f"C{number}")
               for number, k in enumerate(measures.chosen_sleepers(runs[0]))]
-    figure, below = train_strip.panels_below(train, places, 4, (9, 10))
+    figure, below = train_strip.panels_below(train, places, 4, (WIDE, 10))
     for run, line in zip(runs, panels.LINES):
         time = run.time[run.passage()] - run.time[run.passage()][0]
         _plot(below, run, time, line)
@@ -92,7 +96,7 @@ def draw(runs: Runs) -> plt.Figure:
     key = _key(runs)
     panels.legend_below(below[-1], len(key), handles=key)
     below[-1].get_legend().set_title(measures.without_ends(runs[0]) or None, {"size": 8})
-    lowest = ", ".join(f"{run.name} {_lowest(run):.3f} mm" for run in runs)
-    figure.axes[0].set_title(f"Sleepers during the {measures.passage_words(runs)}; lowest of all: "
-                             f"{lowest}")
+    figure.axes[0].set_title(panels.wrapped(
+        f"Sleepers during the {measures.passage_words(runs)}; {_lowest_words(runs)}", WIDE, 11),
+        fontsize=11)
     return figure

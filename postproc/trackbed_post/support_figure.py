@@ -4,6 +4,8 @@ import matplotlib.pyplot as plt
 from trackbed_post import ground_blocks, measures, panels, support
 from trackbed_post.bed_figures import needs
 
+COLUMN = 14 / 3  # inches, of a panel with its labels
+
 
 def mark_hanging(runs, stiff, gaps):
     """Rings around the values of sleepers that hang."""
@@ -32,7 +34,7 @@ def draw(runs):
     """Reaction of the stones over the displacement of three sleepers relative to the ground in the
     passage; stiffness of the support and gap of all sleepers; those that hang have a ring."""
     needs(all(len(run.sleepers_x) and run.sleeper for run in runs), "no sleepers")
-    figure, (loops, stiff, gaps) = plt.subplots(1, 3, figsize=(14, 4.6))
+    figure, (loops, stiff, gaps) = plt.subplots(1, 3, figsize=(3 * COLUMN, 4.6))
     text = []
     for run, style in zip(runs, panels.LINES):
         found = support.of(run)
@@ -51,11 +53,12 @@ def draw(runs):
                                       (gaps, found.gap * 1e3, line.get_color())):
             panels.mark_ends(panel, run.sleepers_x, values, found.ends, colour,
                              last and colour != "C0")
-        text.append(f"{run.name}: {found.words()}")
+        text.append(panels.wrapped(f"{run.name}: {found.words()}", COLUMN))
     beside = " relative to the ground" if any(map(measures.has_ground, runs)) else ""
     loops.set_xlabel(f"sleeper lowered{beside} (mm)")
     loops.set_ylabel("reaction of the stones (kN)")
-    loops.set_title(f"Loops in the {measures.passage_words(runs)}", fontsize=10)
+    loops.set_title(panels.wrapped(f"Loops in the {measures.passage_words(runs)}", COLUMN),
+                    fontsize=10)
     stiff.set_ylabel("stiffness of the support (kN/mm)")
     stiff.set_ylim(bottom=0)
     explain_secants(runs, stiff)
@@ -67,5 +70,5 @@ def draw(runs):
         panel.grid(alpha=0.3)
     mark_hanging(runs, stiff, gaps)
     for panel in (loops, stiff, gaps):
-        panels.legend_below(panel)
+        panels.legend_below(panel, wide=COLUMN)
     return figure

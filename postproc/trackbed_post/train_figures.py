@@ -13,7 +13,8 @@ SHOWN_WHEELS = len(panels.MARKERS)  # the first wheels are shown
 
 
 def train_rows(wheel_x, name):
-    """Rows of the last train. `name`: of the run, for messages."""
+    """Rows of the last train of the histories, which may be that of an earlier stage. `name`: of
+    the run, for messages."""
     trains = axles.rows_of_trains(wheel_x)
     if not trains:
         raise read.Unreadable(f"{name}: no row of the histories has a train on the track: was the "
@@ -34,8 +35,8 @@ def under_axles(wheel_x, sleepers_x, moved, reach):
 
 
 class Passing:
-    """The last train of a run: time, s; x of axles, m; force of their wheels, N, [time, axle,
-    rail], left before right; motion of the sleepers, m. Levels are relative to the row `first`."""
+    """The last train of the histories: time, s; x of axles, m; force of their wheels, N, [time,
+    axle, rail], left before right; motion of the sleepers, m. Levels are relative to the row `first`."""
 
     def __init__(self, run, every):
         if "history/wheel/x" not in every or not len(run.sleepers_x):
@@ -82,6 +83,21 @@ class Passing:
         far = self.x[self.first, 0] <= self.sleepers_x[0] - axles.APART
         return "the last row before the train" if far else "the first row with the train"
 
+    def state(self):
+        """That the train has not passed all sleepers, in words; empty if it has."""
+        return "" if self.has_left else (f"train not past all sleepers in the last row, at "
+                                         f"{self.time[-1]:.4g} s")
+
+
+def stage_words(run, passing):
+    """Of which stage the train is, if the deck has several or if it is not that of the last
+    passage, of which the histories have no row yet; otherwise empty."""
+    row = min(int(np.searchsorted(run.time, passing.time[0])), len(run.stage) - 1)
+    name, last = run.deck["stage"][int(run.stage[row])].get("name", ""), run.passage_stage()
+    if run.stage[row] != last[0]:
+        return f"stage {name} (not the last passage, stage {last[1]}: no train in its rows yet)"
+    return f"stage {name}" if measures.several_passages(run) else ""
+
 
 def numbers(passing):
     """Name -> (value, unit)."""
@@ -104,9 +120,10 @@ def numbers(passing):
             -1e3 * np.nanmean(passing.lowest[axle]), "mm")
         found[f"axle {axle + 1}, largest downward sleeper displacement, largest of sleepers"] = (
             -1e3 * np.nanmin(passing.lowest[axle]), "mm")
-        found[f"axle {axle + 1}, largest downward sleeper displacement minus that of axle 1, "
-              "mean of sleepers"] = (
-            1e3 * np.nanmean(passing.sunk_since_first()[axle]), "mm")
+        if axle > 0:
+            found[f"axle {axle + 1}, largest downward sleeper displacement minus that of axle 1, "
+                  "mean of sleepers"] = (
+                1e3 * np.nanmean(passing.sunk_since_first()[axle]), "mm")
     if passing.seats is not None:
         lean = passing.seats[..., 0] - passing.seats[..., 1]
         found["left minus right seat height of a sleeper, largest"] = (1e3 * lean.max(), "mm")
@@ -134,8 +151,9 @@ def draw_left(panel, passing):
     panel.set(ylabel=f"vertical displacement\nof sleepers, {panels.UP}", xlabel="x, m")
 
 
-def draw(passing, stretches):
-    """Three panels over x; `stretches` with blocks of the ground are shaded."""
+def draw(passing, stretches, stage=""):
+    """Three panels over x; `stretches` with blocks of the ground are shaded; `stage`: of the train,
+    in words."""
     figure, (wheels, down, left) = plt.subplots(3, 1, figsize=(9, 10), sharex=True,
                                                 layout="constrained")
     for axle in range(min(SHOWN_WHEELS, passing.x.shape[1])):
@@ -147,16 +165,18 @@ def draw(passing, stretches):
         down.plot(passing.sleepers_x, 1e3 * passing.lowest[axle], label=words, lw=0.9,
                   marker=panels.MARKERS[axle], ms=3.5, color=f"C{axle}")
     draw_left(left, passing)
-    figure.suptitle(f"Train over the bed; displacements relative to {passing.reference()}",
-                    fontsize=11)
+    state = "".join(f", {one}" for one in (stage, passing.state()) if one)
+    figure.suptitle(panels.wrapped(
+        f"Train over the bed{state}; displacements relative to {passing.reference()}", 9, 11),
+        fontsize=11)
     wheels.set(ylabel="wheel force, kN")
     down.set(ylabel=f"lowest vertical displacement\nof sleepers, {panels.UP}")
     low, high = passing.sleepers_x[0], passing.sleepers_x[-1]
     wheels.set_xlim(low - 4 * passing.spacing, high + 4 * passing.spacing)
-    for panel in (wheels, down, left):
+    for panel, columns in ((wheels, 4), (down, 4), (left, 2)):
         shades.shade(panel, stretches)
         panel.grid(alpha=0.3)
-        panels.legend_above(panel, size=7)
+        panels.legend_above(panel, columns, size=7)
     shades.name(down, stretches, z=0.03)
     return figure
 
@@ -170,8 +190,10 @@ def draw_into(results, folder):
     passing = Passing(run, every)
     found = numbers(passing)
     wide = max(map(len, found)) + 1
-    text = "".join(f"{name:{wide}} {value:10.4g} {unit}\n"
-                   for name, (value, unit) in found.items())
+    stage = stage_words(run, passing)
+    text = "".join(f"{run.name}, {one}\n" for one in (stage, passing.state()) if one)
+    text += "".join(f"{name:{wide}} {value:10.4g} {unit}\n"
+                    for name, (value, unit) in found.items())
     text += "".join(f"warning: {run.name}: {one}\n" for one in passage_warnings.of_bed(run))
-    folder.picture("train", draw(passing, ground_blocks.stretches(run)))
+    folder.picture("train", draw(passing, ground_blocks.stretches(run), stage))
     folder.table("train.txt", text)

@@ -6,8 +6,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import test_transition
-from trackbed_post import (bed_on_ground, ground_blocks, measures, read, sleeper_histories,
-                           stage_histories, support, support_figure, transition)
+from trackbed_post import (bed_on_ground, ground_blocks, ground_transition, measures, read,
+                           sleeper_histories, stage_histories, support, support_figure, transition)
 
 
 def below_train(run):
@@ -28,10 +28,10 @@ def test_histories_are_of_sleepers_within_the_bed(runs):
     assert measures.chosen_sleepers(run) == [1, 3, 13]     # the edge at 2 m is nearest to 2.1 m
     assert measures.chosen_sleepers(sprung) == [3, 7, 11]  # the first is the nearest one, too
     shown = sleeper_histories.draw([sprung]).axes[-1].get_legend()
-    assert shown.get_title().get_text() == "without 3 sleepers at each end of the bed"
+    assert shown.get_title().get_text() == "without the three at each end of the bed"
     stages = stage_histories.stages([run]).axes
     assert any(panel.get_legend() and panel.get_legend().get_title().get_text()
-               == "without 1 sleeper at each end of the bed" for panel in stages)
+               == "without the one at each end of the bed" for panel in stages)
     plt.close("all")
 
 
@@ -45,6 +45,35 @@ def test_supports_at_the_ends_are_hollow(runs):
         assert words.count("end of the bed (hollow)") == 1
     rows = list(csv.DictReader(support.table([runs[0]]).splitlines()))
     assert [row["end"] for row in rows] == ["1", *["0"] * (len(rows) - 2), "1"]
+    plt.close("all")
+
+
+def test_title_and_table_leave_out_the_same_sleepers(runs):
+    """The lowest of all is stated of the same sleepers in sleepers.png and in table.txt, which say
+    which ones they leave out; envelope.png marks those."""
+    run = below_train(runs[0])
+    rows = run.passage()
+    moved, height = run.sleeper_envelope["displacement_min"].values.copy(), \
+        run.sleeper["displacement"].values.copy()
+    height[rows] = height[rows][0]
+    height[rows.start + 9, :] -= 4e-3
+    height[rows.start + 9, [0, 2, -1]] -= 1e-3
+    height[rows.stop - 1, 1] -= 3e-3
+    moved[:] = (height[rows] - height[rows][0]).min(axis=0)
+    run = dataclasses.replace(
+        run, sleeper={**run.sleeper, "displacement": read.Quantity(height, "m", "-")},
+        sleeper_envelope={**run.sleeper_envelope,
+                          "displacement_min": read.Quantity(moved, "m", "-")})
+    left_out = "without the three at each end of the bed"
+    title = " ".join(sleeper_histories.draw([run]).axes[0].get_title().split())
+    assert f"lowest of all {left_out}: wedge -4.000 mm" in title
+    found = ground_transition.transition(run)
+    assert found.sleeper_displacement == pytest.approx(4e-3)
+    assert found.sleeper_residual == pytest.approx(0, abs=1e-9)
+    assert f"sleepers: {left_out}\n" in ground_transition.table([run])
+    hollow, = (line for line in bed_on_ground.envelope([run]).axes[0].lines
+               if line.get_markerfacecolor() == "white")
+    assert hollow.get_xdata() == pytest.approx(run.sleepers_x[[0, 1, 2, -3, -2, -1]])
     plt.close("all")
 
 

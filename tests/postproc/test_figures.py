@@ -10,8 +10,8 @@ import matplotlib.image
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import (bed_on_ground, bed_warnings, figure_csv, measures, read,
-                           sleeper_histories, support, support_figure, write)
+from trackbed_post import (bed_histories, bed_on_ground, bed_warnings, figure_csv, measures,
+                           read, sleeper_histories, support, support_figure, write)
 
 
 def test_figures_of_two_runs_are_drawn(runs, tmp_path):
@@ -57,18 +57,27 @@ def test_overview_shows_the_stage_under_load_and_names_it(runs, load, stage):
     bed_on_ground.plt.close("all")
 
 
-def test_energy_has_one_zero_for_the_potential(runs):
-    later = slice(50, None)  # a variant that started at a later stage
+def test_the_potential_energy_counts_from_the_begin_of_each_stage(runs):
+    """Also of a variant that started at a later stage; where stones are removed between two stages,
+    the step is stated and does not hide the rest."""
+    values = runs[0].energy["potential"].values - 21e3 * (runs[0].stage == 4)
+    first = dataclasses.replace(runs[0], energy={
+        **runs[0].energy, "potential": read.Quantity(values, "J", "-")})
+    later = slice(100, None)
     variant = dataclasses.replace(
         runs[1], time=runs[1].time[later], stage=runs[1].stage[later],
         energy={name: dataclasses.replace(item, values=item.values[later])
                 for name, item in runs[1].energy.items()})
-    for both in ([runs[0], variant], [variant, runs[0]]):
-        axes = bed_on_ground.energy(both).axes
-        assert [axis.get_ylabel().split(",")[0] for axis in axes] == ["kinetic (J)", "elastic",
-                                                                      "potential"]
-        ends = [line.get_ydata()[-1] for line in axes[2].lines[:2]]
-        assert ends[0] == ends[1] == pytest.approx(100 * np.sin(runs[0].time[-1]))
+    axes = bed_histories.energy([first, variant]).axes
+    assert [axis.get_ylabel().split(",")[0] for axis in axes] == ["kinetic (J)", "elastic",
+                                                                  "potential"]
+    drawn = [line.get_ydata() for line in axes[2].lines[:2]]
+    expected = 100 * (np.sin(first.time[-1]) - np.sin(first.time[100]))
+    assert drawn[0][-1] == pytest.approx(expected) and drawn[1][-1] == pytest.approx(expected)
+    assert np.nanmax(np.abs(drawn[0])) < 110 and np.isnan(drawn[0][100]) and drawn[0][101] == 0
+    assert axes[2].get_title() == \
+        "not shown, as stones were removed or placed: wedge, begin of passage: -21 kJ"
+    assert bed_histories.energy([variant]).axes[2].get_title() == ""
     bed_on_ground.plt.close("all")
 
 
@@ -409,7 +418,7 @@ def test_command_line(tmp_path):
 
 def test_pictures_name_program_run_and_day(runs, tmp_path):
     folder = write.Folder(tmp_path, "trackbed 0: wedge")
-    figure = bed_on_ground.energy(runs)
+    figure = bed_histories.energy(runs)
     folder.picture("energy", figure)
     assert [text.get_text() for text in figure.texts][-1] == "trackbed 0: wedge"
     made.write(tmp_path / "one")

@@ -115,7 +115,7 @@ def test_run_stopped_before_its_passage_is_reported(tmp_path):
         assert f"{name}.png is skipped: {reason}\n" in ran.stdout, ran.stdout
     assert f"no transition to measure: {reason}" in ran.stdout
     assert "residual displacement" not in ran.stdout and "have a gap" not in ran.stdout
-    assert "Sleepers during the last stage" in sleeper_histories.draw(
+    assert "Sleepers during the last stage (load)" in sleeper_histories.draw(
         [read.results(folder)]).axes[0].get_title()
     bed_on_ground.plt.close("all")
 

@@ -1,6 +1,7 @@
 """Tests of train_figures.py on synthetic histories with known results."""
 import types
 
+import conftest
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -43,6 +44,11 @@ def test_settlement_of_each_axle():
     assert found[f"axle 2, {more}"][0] == pytest.approx(0.1)
     left = "residual downward displacement of sleepers, ground included"
     assert found[f"{left}, largest"][0] == pytest.approx(0.2)
+
+
+def test_the_first_axle_is_not_compared_with_itself():
+    names = list(train_figures.numbers(train_figures.Passing(*made())))
+    assert [name[:6] for name in names if "minus that of axle 1" in name] == ["axle 2"]
 
 
 def test_wheels_off_the_rail_are_stated():
@@ -106,10 +112,29 @@ def test_nothing_is_residual_while_the_train_is_on_the_bed():
     run.time = run.time[:rows]
     passing = train_figures.Passing(run, every)
     assert labels_of_left(passing)[-1] == "in the last row, train not past all sleepers"
+    assert passing.state() == "train not past all sleepers in the last row, at 14.5 s"
     found = train_figures.numbers(passing)
     assert not any("residual" in name for name in found)
     last = "downward displacement of sleepers in the last row, train not past all of them"
     assert found[f"{last}, ground included, mean"][1] == "mm"
+
+
+@pytest.mark.parametrize("trains, reached, words", [
+    (["first", "train"], 1, "first (not the last passage, stage train: no train in its rows yet)"),
+    (["first", "train"], 2, "train"), (["train"], 1, "")])
+def test_the_stage_of_the_train_is_stated(trains, reached, words):
+    """While a run computes, the last train of the histories is that of an earlier stage."""
+    run, every = made(reached)
+    run.deck["stage"] = [{"name": name, "kind": "passage", "train": True} for name in trains]
+    run.stage = np.minimum((np.arange(len(run.time)) - 1).clip(0) // 3001, reached - 1)
+    run.passage_stage = lambda: (len(trains) - 1, trains[-1])
+    passing = train_figures.Passing(run, every)
+    stage = train_figures.stage_words(run, passing)
+    assert stage == (f"stage {words}" if words else "")
+    figure = train_figures.draw(passing, [], stage)
+    title = " ".join(figure._suptitle.get_text().split())
+    assert title.startswith(f"Train over the bed{f', {stage}' if stage else ''}; displacements")
+    plt.close(figure)
 
 
 def test_on_a_rigid_floor_no_ground_is_included():
@@ -174,6 +199,15 @@ def test_the_row_before_the_train_is_the_last_one_far_from_the_bed():
     assert axles.row_before_train(x, 0.0) == 2
     assert axles.row_before_train(x, -9.0) == 0       # starts on the bed
     assert axles.row_before_train(x, 50.0) == 0       # never comes
+
+
+def test_documents_state_from_where_levels_count():
+    x = np.arange(-5, 1, 0.1)
+    first = 0.6  # m, the first sleeper of the bed, which begins at x = 0
+    assert x[axles.row_before_train(x, first)] == pytest.approx(first - axles.APART)
+    for name in ("postproc", "track"):
+        text = " ".join((conftest.ROOT / f"docs/{name}.md").read_text(encoding="utf-8").split())
+        assert f"first axle is still {axles.APART:g} m before the first sleeper of the bed" in text
 
 
 def test_levels_of_a_train_count_from_the_row_before_it():
