@@ -9,8 +9,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from trackbed_post import (bed_figures, bed_histories, bed_warnings, figure_csv, frequencies,
-                           ground_blocks, ground_transition, measures, passage_warnings, read,
-                           shades, signals, sleeper_histories, stage_histories, support,
+                           ground_blocks, ground_transition, judgement, measures, passage_warnings,
+                           read, shades, signals, sleeper_histories, stage_histories, support,
                            support_figure, write)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 from trackbed_post.panels import UP, legend_below, mark_ends, wrapped
@@ -328,8 +328,10 @@ def draw_all(runs, folder, ends=True):
         if has and not any(has(run) for run in runs):
             continue  # a remark on every bed without what is optional would not help
         try:
-            needs(name not in OF_PASSAGE or not unlike, unlike)
             figure = draw(runs)
+            if unlike and name in OF_PASSAGE:
+                plt.close(figure)
+                raise Missing(unlike)
         except Missing as missing:
             folder.remarks.append(f"{name}.png is skipped: {missing}")
             continue
@@ -344,9 +346,20 @@ def draw_all(runs, folder, ends=True):
         text += "".join(f"warning: {run.name}: {one}\n" for run in supported
                         for one in (*bed_warnings.of(run), *passage_warnings.of_bed(run)))
         folder.file("support.csv", support.table(supported))
+    folder.sentences += [*effects(runs, unsound), *(f"{support.summary(run)}." for run in supported)]
     text += table_of_peaks(runs)
     text += "".join(f"warning of {run.name}: {line}\n" for run in runs for line in run.warnings)
     folder.table("table.txt", text)
+
+
+def effects(runs, unsound):
+    """Sentences on the difference of two runs, those of the table; a train has others."""
+    if len(runs) != 2 or ground_blocks.carried_by_springs(runs[0]):
+        return []
+    wedge = max(ground_blocks.wedge_length(run) for run in runs)
+    first, second = (ground_transition.transition(run, wedge) for run in runs)
+    return ground_transition.effect(first, second, measures.spacing(runs[0]), judgement.why_no_pair(
+        *runs), unsound) if first and second else []
 
 
 def draw_into(results, folder, ends=True):

@@ -1,5 +1,5 @@
-"""One HTML file of a run, or of several side by side: what was modelled, stages, warnings, figures,
-numbers, balances and cost. It needs no other file and can be sent as it is.
+"""One HTML file of a run, or of several side by side: the results in short, what the decks differ
+by, warnings, models, figures, numbers, stages, balances and cost. It needs no other file and can be sent as it is.
 
 The drawing of the model is that which the program leaves beside its results; figures and numbers
 are those of the command `figures`. While a run goes on, the report shows how far it is and what its
@@ -15,7 +15,7 @@ import pathlib
 import tempfile
 import time
 
-from trackbed_post import (bed_warnings, curves, kinds, overlays, passage_warnings, program,
+from trackbed_post import (bed_warnings, curves, deck_differences, kinds, overlays, passage_warnings, program,
                            progress, read, write)
 
 
@@ -184,10 +184,22 @@ def models_of(runs, given):
                      if names else text for text, names in drawn.items())
 
 
+def differences_of(runs):
+    """A table of what the decks of several runs differ by; nothing of one run."""
+    if len(runs) < 2:
+        return []
+    rows = deck_differences.rows([run.deck for run in runs])
+    heading = element("h2", "Differences of the decks")
+    if not rows:
+        return [heading, element("p", "None, apart from names and titles.")]
+    return [heading, table(["key", *(run.name for run in runs)], rows)]
+
+
 def figures_of(runs, folder, choices, curves_over):
-    """Pictures and numbers of each kind of figure, with measured curves over them, and of each
-    comparison with others. A figure that curves need may come later."""
-    parts = []
+    """(what the tables say in short, pictures and numbers of each kind of figure, with measured
+    curves over them, and of each comparison with others). A figure that curves need may come
+    later."""
+    parts, sentences = [], []
     results = [run.folder for run in runs]
     every = [*kinds.parts_of(results, kinds.of_deck(runs[0].deck)),
              *compared_with(results, choices.over)]
@@ -200,12 +212,13 @@ def figures_of(runs, folder, choices, curves_over):
             part.draw(made)
         except read.Unreadable as why:
             made.remarks.append(f"No further figures: {why}")
+        sentences += made.sentences
         parts += [embedded(path) for path in made.pictures]
         parts += [element("pre", text) for text in made.tables]
         parts += [element("p", one) for one in made.remarks]
     curves_over.require_drawn(missing=False)
     parts += [element("p", f"Not drawn: {why}") for why in curves_over.missing()]
-    return "\n".join(parts)
+    return list(dict.fromkeys(sentences)), "\n".join(parts)
 
 
 def progress_of(runs, folder):
@@ -223,22 +236,20 @@ def progress_of(runs, folder):
 
 
 def page(runs, folder, choices, curves_over, every=0):
-    """`every`: seconds after which a browser loads the document again; 0: never."""
-    head = ["", *(run.name for run in runs)]
+    """`every`: seconds after which a browser loads the document again; 0: never. The progress is at
+    the end unless a run computes."""
+    sentences, figures = figures_of(runs, folder, choices, curves_over)
+    how_far, computing = progress_of(runs, folder), any(progress.computes(run.folder)
+                                                        for run in runs)
     parts = [element("h1", " and ".join(run.name for run in runs)),
-             table(head, side_by_side(runs, facts_of)),
-             element("h2", "Models"), models_of(runs, choices.program), *progress_of(runs, folder),
+             *([element("h2", "In short"), *(element("p", one) for one in sentences)]
+               if sentences else []),
+             table(["", *(run.name for run in runs)], side_by_side(runs, facts_of)),
+             *(how_far if computing else []), *differences_of(runs),
              element("h2", "Warnings"), warnings_of(runs),
-             element("h2", "Figures and numbers"),
-             figures_of(runs, folder, choices, curves_over)]
-    for run in runs:
-        heading, rows = stages_of(run)
-        if rows:
-            parts += [element("h2", f"Stages of {run.name}"), table(heading, rows)]
-    for title, of in (("Balances at the end", balances_of), ("Cost, mean over the ranks", cost_of)):
-        rows = side_by_side(runs, of)
-        if rows:
-            parts += [element("h2", title), table(head, rows)]
+             element("h2", "Models"), models_of(runs, choices.program),
+             element("h2", "Figures and numbers"), figures,
+             *numbers_of(runs), *([] if computing else how_far)]
     parts.append(element("h2", "Effective input"))
     for run in runs:
         parts.append(f"<details>{element('summary', run.name)}{element('pre', run.text)}</details>")
@@ -246,6 +257,20 @@ def page(runs, folder, choices, curves_over, every=0):
     again = f'<meta http-equiv="refresh" content="{math.ceil(every)}">' if every else ""
     return (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">{again}{title}'
             f"<style>{STYLE}</style></head>\n<body>\n" + "\n".join(parts) + "\n</body></html>\n")
+
+
+def numbers_of(runs):
+    """Stages, balances and cost."""
+    parts = []
+    for run in runs:
+        heading, rows = stages_of(run)
+        if rows:
+            parts += [element("h2", f"Stages of {run.name}"), table(heading, rows)]
+    for title, of in (("Balances at the end", balances_of), ("Cost, mean over the ranks", cost_of)):
+        rows = side_by_side(runs, of)
+        if rows:
+            parts += [element("h2", title), table(["", *(run.name for run in runs)], rows)]
+    return parts
 
 
 def write_report(results, file, choices=Choices(), every=0):

@@ -445,4 +445,7 @@ def draw_into(results, folder):
         folder.picture("receptance", draw_receptances(*of_points))
         folder.file("receptance.csv", table_of(*of_points))
     text = "".join(f"{name:60} {value:10.4g} {unit}\n" for name, (value, unit) in found.items())
-    folder.table("track.txt", text + warnings_of(results[0], results[0].resolve().name))
+    name = results[0].resolve().name
+    folder.sentences += [f"{name}: {what}: {value:.4g} {unit}."
+                         for what, (value, unit) in found.items() if "largest wheel force" in what]
+    folder.table("track.txt", text + warnings_of(results[0], name))

@@ -139,6 +139,16 @@ def numbers(passing):
     return found
 
 
+def sentence(name, stage, passing, found):
+    """The numbers of a train in short, for a report."""
+    def of(what):
+        return next(f"{value:.4g} {unit}" for key, (value, unit) in found.items() if what in key)
+    state = [one for one in (stage, passing.state()) if one]
+    return (f"{', '.join([name, *state])}: wheel forces over the bed from "
+            f"{of('least wheel force')} to {of('largest wheel force')}; rail lowered by up to "
+            f"{of('rail above the sleepers')}.")
+
+
 def draw_left(panel, passing):
     """What the last train leaves, and how much lower each axle finds a sleeper than the first."""
     for axle in range(1, min(SHOWN_WHEELS, passing.x.shape[1])):
@@ -191,7 +201,9 @@ def draw_into(results, folder):
     found = numbers(passing)
     wide = max(map(len, found)) + 1
     stage = stage_words(run, passing)
-    text = "".join(f"{run.name}, {one}\n" for one in (stage, passing.state()) if one)
+    folder.sentences.append(sentence(run.name, stage, passing, found))
+    state = [one for one in (stage, passing.state()) if one]
+    text = f"{', '.join([run.name, *state])}\n" if state else ""
     text += "".join(f"{name:{wide}} {value:10.4g} {unit}\n"
                     for name, (value, unit) in found.items())
     text += "".join(f"warning: {run.name}: {one}\n" for one in passage_warnings.of_bed(run))

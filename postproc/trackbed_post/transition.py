@@ -309,6 +309,7 @@ def draw_into(results, folder):
     changes = changes_of(trains)
     unsound = bed_warnings.why_no_verdict((train.name, train.run) for train in trains)
     sentence = transition_verdict.sentences(trains, changes, unsound)
+    folder.sentences.append(sentence)
     warnings = [f"Warning: {train.name}: {one}." for train in trains
                 for one in (*bed_warnings.of(train.run), *passage_warnings.of_bed(train.run))]
     if warnings:

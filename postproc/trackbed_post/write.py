@@ -82,7 +82,8 @@ def state_origin(figure: Figure, origin: str) -> None:
 
 class Folder:
     """Where a command writes, and what it wrote: `pictures` (of the first format), `tables`
-    (texts for a reader), `remarks` (why a figure is missing). `origin`, a line at the lower edge of
+    (texts for a reader), `remarks` (why a figure is missing), `sentences` (what the tables say in
+    short, with the names of runs; a report begins with them). `origin`, a line at the lower edge of
     every picture, states of which runs it is. `over` draws over each figure, given its name,
     before it is written."""
 
@@ -94,6 +95,7 @@ class Folder:
         self.pictures: list[pathlib.Path] = []
         self.tables: list[str] = []
         self.remarks: list[str] = []
+        self.sentences: list[str] = []
         folder(self.path)
 
     def file(self, name: str, content: str | bytes) -> None:

@@ -99,6 +99,39 @@ def test_report_of_two_runs_needs_no_other_file(tmp_path):
     assert any(row in text for text in page.text["pre"])
 
 
+def test_a_report_begins_with_what_matters(tmp_path):
+    """Results in short, then what the decks differ by; the progress is at the end unless a run
+    computes."""
+    other = 'title = "5 < 6"\nmodel = "track"\n[track]\nlength = 24\n'
+    runs = [made(tmp_path / "one"), made(tmp_path / "two", deck=other)]
+    events(runs[0])
+
+    def headings():
+        ran, path = write_report(tmp_path, *runs)
+        assert ran.returncode == 0, ran.stderr
+        page = Page(path.read_text(encoding="utf-8"))
+        cells = page.text["td"]
+        assert cells[cells.index("track.length"):][:3] == ["track.length", "20", "24"]
+        return page.text["h2"]
+    first = ["Differences of the decks", "Warnings", "Models", "Figures and numbers"]
+    last = ["Stages of one", "Stages of two", "Cost, mean over the ranks"]
+    assert headings() == [*first, *last, "Progress", "Effective input"]
+    with open(runs[0] / ".lock") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        assert headings() == ["Progress", *first, *last, "Effective input"]
+
+
+def test_sentences_of_the_figures_come_first(tmp_path, monkeypatch):
+    run = made(tmp_path / "one")
+    part = kinds.Part("track", [run], lambda folder: folder.sentences.extend(["A verdict."] * 2))
+    monkeypatch.setattr(kinds, "parts_of", lambda *_: [part])
+    ran, path = write_report(tmp_path, run)
+    assert ran.returncode == 0, ran.stderr
+    page = Page(path.read_text(encoding="utf-8"))
+    assert page.text["h2"][0] == "In short" and page.text["p"].count("A verdict.") == 1
+    assert page.text["p"][0] == "A verdict." and "Differences of the decks" not in page.text["h2"]
+
+
 def test_equal_models_are_drawn_once(tmp_path):
     other = 'title = "other"\nmodel = "track"\n[track]\nlength = 20\n'
     ran, path = write_report(tmp_path, made(tmp_path / "one"), made(tmp_path / "two"),

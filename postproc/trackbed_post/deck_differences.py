@@ -1,0 +1,66 @@
+"""What the effective decks of several runs differ by: keys, and the value of each run.
+
+Tables of a list have their name in the key (ground.block.wedge.present), or their number from 1. Of
+a table that a run does not have at all there is one row, which lists its values.
+"""
+import collections.abc
+import typing
+
+from trackbed_post import read
+
+ABSENT = "-"
+LEFT_OUT = ("title", "name")  # stated elsewhere
+LONGEST = 100                 # letters of a value
+
+
+def rows(decks: collections.abc.Sequence[read.Deck]) -> list[list[str]]:
+    """[key, value of each deck] of all keys whose values are not the same in all decks."""
+    return list(_differing("", list(decks)))
+
+
+def _differing(before: str, tables: list[typing.Any]) -> collections.abc.Iterator[list[str]]:
+    for key in dict.fromkeys(key for table in tables for key in table if key not in LEFT_OUT):
+        values = [table.get(key) for table in tables]
+        there = [value for value in values if value is not None]
+        if len(there) == len(values) and all(value == there[0] for value in there):
+            continue
+        tabular = [_as_table(value) for value in there]
+        if all(table is not None for table in tabular) and \
+                (len(there) == len(values) or all(isinstance(one, list) for one in there)):
+            yield from _differing(f"{before}{key}.", [_as_table(value) or {} for value in values])
+        else:
+            yield [before + key, *map(_text, values)]
+
+
+def _as_table(value: typing.Any) -> dict[str, typing.Any] | None:
+    """A table, or a list of tables by their names; None of other values."""
+    if isinstance(value, dict):
+        return value
+    if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
+        return None
+    found: dict[str, typing.Any] = {}
+    for number, one in enumerate(value, 1):
+        name = str(one.get("name") or "-".join(str(one[key]) for key in ("first", "second")
+                                               if isinstance(one.get(key), str)) or number)
+        found[f"{name} ({number})" if name in found else name] = one
+    return found
+
+
+def _text(value: typing.Any) -> str:
+    if value is None:
+        return ABSENT
+    text = _in_full(value)
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
+
+
+def _in_full(value: typing.Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return f"{value:.9g}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_in_full, value))}]"
+    if isinstance(value, dict):
+        return ", ".join(f"{key} = {_in_full(one)}" for key, one in value.items()
+                         if key not in LEFT_OUT)
+    return str(value)

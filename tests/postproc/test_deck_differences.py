@@ -1,0 +1,41 @@
+"""Tests of what the decks of several runs differ by."""
+import copy
+
+import pytest
+from trackbed_post import deck_differences
+
+DECK = {"title": "a", "time": {"substeps": 2}, "sieve": [25, 35.5],
+        "contact": [{"first": "ballast", "second": "ballast", "friction": 0.7},
+                    {"first": "ballast", "second": "sleeper", "friction": 0.7}],
+        "ground": {"block": [{"name": "wedge", "present": True, "young": 5e8}]},
+        "stage": [{"name": "load", "cycles": 3}, {"name": "train"}]}
+
+
+@pytest.mark.parametrize("change, expected", [
+    (lambda deck: deck.update(title="b"), []),
+    (lambda deck: deck["time"].update(substeps=3), [["time.substeps", "2", "3"]]),
+    (lambda deck: deck.update(sieve=[25, 40.0]), [["sieve", "[25, 35.5]", "[25, 40]"]]),
+    (lambda deck: deck["contact"][1].update(friction=0.5),
+     [["contact.ballast-sleeper.friction", "0.7", "0.5"]]),
+    (lambda deck: deck["ground"]["block"][0].update(present=False),
+     [["ground.block.wedge.present", "true", "false"]]),
+    (lambda deck: deck["ground"]["block"].clear(),
+     [["ground.block.wedge", "present = true, young = 500000000", "-"]]),
+    (lambda deck: deck["ground"].clear(),
+     [["ground.block.wedge", "present = true, young = 500000000", "-"]]),
+    (lambda deck: deck.pop("time"), [["time", "substeps = 2", "-"]]),
+    (lambda deck: deck["stage"].insert(1, {"name": "jump"}), [["stage.jump", "-", ""]]),
+    (lambda deck: deck["stage"][0].pop("cycles"), [["stage.load.cycles", "3", "-"]])])
+def test_a_row_for_each_key_that_differs(change, expected):
+    other = copy.deepcopy(DECK)
+    change(other)
+    assert deck_differences.rows([DECK, other]) == expected
+    assert deck_differences.rows([DECK, DECK]) == []
+
+
+def test_equal_names_are_numbered_and_long_values_are_cut():
+    first = {"sensor": [{"name": "a", "at": 1}, {"name": "a", "at": 2}], "x": "long " * 40}
+    second = {"sensor": [{"name": "a", "at": 1}, {"name": "a", "at": 3}], "x": "short"}
+    found = dict((row[0], row[1:]) for row in deck_differences.rows([first, second, second]))
+    assert found["sensor.a (2).at"] == ["2", "3", "3"]
+    assert found["x"][0].endswith("...") and len(found["x"][0]) == deck_differences.LONGEST + 3
