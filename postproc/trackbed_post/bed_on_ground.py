@@ -346,7 +346,8 @@ def draw_all(runs, folder, ends=True):
         text += "".join(f"warning: {run.name}: {one}\n" for run in supported
                         for one in (*bed_warnings.of(run), *passage_warnings.of_bed(run)))
         folder.file("support.csv", support.table(supported))
-    folder.sentences += [*effects(runs, unsound), *(f"{support.summary(run)}." for run in supported)]
+    folder.sentences += [*effects(runs, unsound),
+                         *(f"{support.summary(run)}." for run in supported)]
     text += table_of_peaks(runs)
     text += "".join(f"warning of {run.name}: {line}\n" for run in runs for line in run.warnings)
     folder.table("table.txt", text)

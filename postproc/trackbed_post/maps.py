@@ -16,6 +16,8 @@ USUAL = 0.99      # quantile where arrows end, if the largest is more than OUTLI
 OUTLIER = 2.0
 GRID = 50000      # places of a grid at which contours are computed
 LEVELS = 16       # of contours, about
+PANEL = 7         # inches, usual width of a panel
+KEY_ABOVE = 0.17  # inches, from a panel to the middle of the key of its arrows
 
 
 def bounds_of(layers, window):
@@ -54,7 +56,10 @@ def draw_arrows(panel, layers, window, choices, scale):
                              scale=limit / length, width=0.0015)
         figure_csv.state(drawn, f"magnitude, {unit}", colours)
     key = scale_arrow(limit)
-    panel.quiverkey(drawn, 0.85, 1.04, key, f"{key:g} {unit}", labelpos="E")
+    wide, high = x1 - x0, z1 - z0 + (0 if choices.window else 2 * MARGIN * (x1 - x0))
+    above = max(0.04, KEY_ABOVE / (PANEL * high / max(wide, 1e-9) + 1e-9))
+    panel.quiverkey(drawn, 0.85, 1 + min(above, 1.0), key, f"{key:g} {unit}", labelpos="E",
+                    fontproperties={"size": 9})
     return drawn, f"{unit} (arrows end at {limit:.3g})" if size.max() > limit else unit, \
         {"extend": "max"} if size.max() > limit else {}
 
@@ -95,8 +100,8 @@ def draw(layers, title, choices, unit):
     inside = [layer.within(window) for layer in layers]
     scale = curves.short_unit(max(np.abs(one.size()).max() for one in inside), unit)
     wide, high = window[1] - window[0], window[3] - window[2]
-    figure, panel = plt.subplots(figsize=(9, np.clip(7 * high / max(wide, 1e-9) + 1.3, 2.5, 9)),
-                                 layout="constrained")
+    figure, panel = plt.subplots(layout="constrained", figsize=(
+        9, np.clip(PANEL * high / max(wide, 1e-9) + 1.3, 2.5, 9)))
     margin = 0.0
     if layers[0].values.ndim > 1:
         drawn, words, style = draw_arrows(panel, inside, window, choices, scale)

@@ -1,5 +1,6 @@
 """One HTML file of a run, or of several side by side: the results in short, what the decks differ
-by, warnings, models, figures, numbers, stages, balances and cost. It needs no other file and can be sent as it is.
+by, warnings, models, figures, numbers, stages, balances and cost. It needs no other file and can be
+sent as it is.
 
 The drawing of the model is that which the program leaves beside its results; figures and numbers
 are those of the command `figures`. While a run goes on, the report shows how far it is and what its
@@ -15,8 +16,8 @@ import pathlib
 import tempfile
 import time
 
-from trackbed_post import (bed_warnings, curves, deck_differences, kinds, overlays, passage_warnings, program,
-                           progress, read, write)
+from trackbed_post import (bed_warnings, curves, deck_differences, kinds, overlays,
+                           passage_warnings, program, progress, read, write)
 
 
 STYLE = """

@@ -36,7 +36,8 @@ def under_axles(wheel_x, sleepers_x, moved, reach):
 
 class Passing:
     """The last train of the histories: time, s; x of axles, m; force of their wheels, N, [time,
-    axle, rail], left before right; motion of the sleepers, m. Levels are relative to the row `first`."""
+    axle, rail], left before right; motion of the sleepers, m. Levels are relative to the row
+    `first`."""
 
     def __init__(self, run, every):
         if "history/wheel/x" not in every or not len(run.sleepers_x):

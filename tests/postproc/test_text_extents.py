@@ -2,11 +2,13 @@
 import dataclasses
 
 import matplotlib.pyplot as plt
+import matplotlib.quiver
 import numpy as np
 import pytest
 import test_ends
 import test_train
-from trackbed_post import bed_on_ground, panels, read, support_figure, train_figures, write
+from trackbed_post import (bed_on_ground, field_sections, maps, panels, read, support_figure,
+                           train_figures, write)
 
 LONG = "a_wedge_of_7_m_on_20_MPa"
 
@@ -103,6 +105,20 @@ def test_texts_of_a_train_with_many_axles_are_whole(tmp_path, cut, rails):
         "in its rows yet)"))
     write.Folder(tmp_path).picture("train", figure)
     assert cut == {"train": []}
+
+
+def test_the_key_of_arrows_is_above_a_flat_panel():
+    """Of a plane model of 20 m by 0.5 m."""
+    x, z = (one.ravel() for one in np.meshgrid(np.linspace(0, 20, 81), np.linspace(0, 0.5, 6)))
+    layer = field_sections.Layer("stones", np.stack([x, z], 1),
+                                 np.stack([x, 0 * x, z], 1), outline=None)
+    choices = field_sections.Choices(array="velocity")
+    figure = maps.draw([layer], "velocity at 1 s, plane xz at y = 0 m", choices, "m/s")
+    assert not cut_off(figure)
+    panel = figure.axes[0]
+    key, = panel.findobj(matplotlib.quiver.QuiverKey)
+    assert key.text.get_window_extent().y0 > panel.get_window_extent().y1
+    plt.close(figure)
 
 
 def test_long_titles_are_wrapped():
