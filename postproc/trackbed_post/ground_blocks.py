@@ -1,51 +1,97 @@
-"""Blocks of the ground and their roles: a block as stiff as concrete is a structure, every other
-one is a wedge or another soft part. Names of blocks are labels only.
+"""Blocks of the ground and their roles: a deep block as stiff as concrete is a structure, every
+other one is a measure: a wedge, an approach slab, another part of the ground. Names of blocks are
+labels only.
 
 Roles, and the stretch of plain track that follows from them, are explained in docs/postproc.md.
 """
+import collections.abc
 import dataclasses
 
 import numpy as np
 
 from trackbed_post import read
 
-STRUCTURE = 10e9  # Pa, least Young's modulus of a structure, as in the drawing of `trackbed check`
+STRUCTURE = 10e9  # Pa, least Young's modulus of a structure: that of concrete
+DEEP = 0.5        # of the depth of the ground, over which a structure reaches at least
+# In words, for messages; a slab on the ground is as stiff, but goes down with the ground below it.
+RULE = (f"at least {STRUCTURE / 1e9:g} GPa, from the surface over at least half of the depth of "
+        "the ground")
 TINY = 1e-9       # m, tolerance of coordinates
 ENDS = 3          # sleepers at each end of the bed that are not judged if springs are beside them
 WALLS = 1         # the same if there are none: the bed ends at walls
-BEYOND = 2        # spacings behind the wedge, where plain track begins
+BEYOND = 2        # spacings behind the change, where plain track begins
 
 
 @dataclasses.dataclass(frozen=True)
 class Block:
-    """A block of the ground; x in m."""
+    """A block of the ground; x and z in m."""
     name: str
-    structure: bool
+    young: float              # Pa
     present: bool
-    z: float                  # m, of its top
+    z: float                  # of its top
+    bottom: float             # z of its lowest corner
     top: tuple[float, float]  # smallest and largest x there
     x: np.ndarray             # of all corners
+    structure: bool = False
 
     @property
     def label(self) -> str:
         return self.name.replace("_", " ")
 
+    @property
+    def stiff(self) -> bool:
+        return self.young >= STRUCTURE
 
-def is_structure(block: read.Deck) -> bool:
-    """Whether a block of a deck is as stiff as concrete."""
-    return float(block.get("young", 0)) >= STRUCTURE
+
+def _block(given: read.Deck) -> Block:
+    """A block of a deck, whose role is not known yet."""
+    outline = np.reshape(given["outline"], (-1, 2))
+    height = float(np.max(outline[:, 1]))
+    top = outline[outline[:, 1] >= height - TINY][:, 0]
+    return Block(given["name"], float(given.get("young", 0)), given.get("present", True), height,
+                 float(np.min(outline[:, 1])), (float(np.min(top)), float(np.max(top))),
+                 outline[:, 0])
+
+
+def _carries(lower: Block, upper: Block) -> bool:
+    """Whether a block stands on another one: with half of its length at least, so that a slab whose
+    end rests on a ledge of an abutment is no part of it."""
+    if not upper.bottom - TINY <= lower.z < upper.z - TINY:
+        return False
+    low, high = float(np.min(upper.x)), float(np.max(upper.x))
+    return min(high, float(np.max(lower.x))) - max(low, float(np.min(lower.x))) \
+        >= (high - low) / 2 - TINY
+
+
+def _structures(stiff: list[Block], depth: float) -> set[str]:
+    """Names of the structures among stiff blocks: those at the surface that reach over DEEP of the
+    depth, m, together with the stiff blocks below on which they stand, and these."""
+    found: set[str] = set()
+    for top in (block for block in stiff if block.z >= -TINY):
+        column = [top]
+        for upper in column:  # grows
+            column += [lower for lower in stiff if lower not in column and _carries(lower, upper)]
+        if -min(block.bottom for block in column) >= DEEP * depth - TINY:
+            found |= {block.name for block in column}
+    return found
+
+
+def depth(results: read.Results) -> float:
+    """Depth of the ground, m: of its layers; of a deck without layers that of the lowest block."""
+    ground = results.deck.get("ground", {})
+    layers = sum(float(layer["thickness"]) for layer in ground.get("layer", []))
+    return layers or -min((_block(block).bottom for block in ground.get("block", [])), default=0.0)
 
 
 def every(results: read.Results) -> list[Block]:
-    """All blocks of a run's ground, also those that are not present."""
-    found = []
-    for block in results.deck.get("ground", {}).get("block", []):
-        outline = np.reshape(block["outline"], (-1, 2))
-        height = float(np.max(outline[:, 1]))
-        top = outline[outline[:, 1] >= height - TINY][:, 0]
-        found.append(Block(block["name"], is_structure(block), block.get("present", True), height,
-                           (float(np.min(top)), float(np.max(top))), outline[:, 0]))
-    return found
+    """All blocks of a run's ground in the order of the deck. Those that are present have no other
+    ones below them; those that are not have the role that they would have."""
+    found = [_block(block) for block in results.deck.get("ground", {}).get("block", [])]
+    stiff = [block for block in found if block.stiff]
+    there = _structures([block for block in stiff if block.present], depth(results))
+    all_present = _structures(stiff, depth(results))
+    return [dataclasses.replace(block, structure=block.name in (
+        there if block.present else all_present)) for block in found]
 
 
 def present(results: read.Results) -> list[Block]:
@@ -54,12 +100,11 @@ def present(results: read.Results) -> list[Block]:
 
 
 def structures(results: read.Results) -> list[tuple[float, float]]:
-    """Smallest and largest x, m, of each structure, along x; blocks that touch are one, and those
-    that do not reach as high as the others are foundations."""
-    stiff = [block for block in present(results) if block.structure]
-    height = max((block.z for block in stiff), default=0.0)
+    """Smallest and largest x, m, of each structure at the surface, along x; blocks that touch are
+    one."""
     found: list[tuple[float, float]] = []
-    for low, high in sorted(block.top for block in stiff if block.z >= height - TINY):
+    for low, high in sorted(block.top for block in present(results)
+                            if block.structure and block.z >= -TINY):
         if found and low <= found[-1][1] + TINY:
             found[-1] = (found[-1][0], max(high, found[-1][1]))
         else:
@@ -77,14 +122,14 @@ class Stretch:
 
 
 def stretches(results: read.Results) -> list[Stretch]:
-    """Those of each structure, and one of all other blocks together."""
+    """Those of each structure, and one of all measures together."""
     blocks = present(results)
     found = []
     for low, high in structures(results):
         inside = [block.label for block in blocks
                   if block.structure and low - TINY <= block.top[0] <= high + TINY]
         found.append(Stretch(", ".join(inside), True, low, high))
-    if soft := [block for block in blocks if not block.structure]:
+    if soft := measures_of(results):
         found.append(Stretch(", ".join(block.label for block in soft), False,
                              min(block.top[0] for block in soft),
                              max(block.top[1] for block in soft)))
@@ -118,9 +163,8 @@ def direction(results: read.Results, edge: float) -> int:
 
 
 def wedge_length(results: read.Results) -> float:
-    """Distance from the edge to the farthest point of any block that is no structure, m; includes
-    blocks that are not present, so that runs with and without wedge are measured at the same
-    place."""
+    """Distance from the edge to the farthest point of any measure, m; includes blocks that are not
+    present, so that runs with and without wedge are measured at the same place."""
     edge = edge_of_structure(results)
     if edge is None:
         return 0.0
@@ -129,23 +173,56 @@ def wedge_length(results: read.Results) -> float:
                               if not block.structure]))
 
 
-def has_wedge(results: read.Results) -> bool:
-    """Whether a block that is no structure is present behind the edge of the structure."""
+def measures_of(results: read.Results) -> list[Block]:
+    """The blocks that are present and no structure."""
+    return [block for block in present(results) if not block.structure]
+
+
+def shallow(results: read.Results) -> str:
+    """What follows a message that there is no structure: which stiff blocks count as measures."""
+    found = [block.label for block in measures_of(results) if block.stiff]
+    return f"; {', '.join(found)} is stiff enough, but not deep enough" if found else ""
+
+
+def wedge_words(results: read.Results) -> str:
+    """The measures that are present behind the edge of the structure in words; empty if none is."""
     edge = edge_of_structure(results)
     if edge is None:
-        return False
+        return ""
     turn = direction(results, edge)
-    return any(not block.structure and np.max(turn * (block.x - edge)) > TINY
-               for block in present(results))
+    return listed(block for block in measures_of(results)
+                  if np.max(turn * (block.x - edge)) > TINY)
+
+
+def listed(blocks: collections.abc.Iterable[Block]) -> str:
+    """What they are in words: the stiff ones by their labels, all others together a wedge."""
+    blocks = list(blocks)
+    labels = [block.label for block in blocks if block.stiff]
+    labels += ["wedge"] if len(labels) < len(blocks) else []
+    return " and ".join(filter(None, (", ".join(labels[:-1]), *labels[-1:])))
+
+
+def more_blocks(first: read.Results, second: read.Results) -> list[Block]:
+    """The blocks that are present in the first run only."""
+    names = {block.name for block in present(second)}
+    return [block for block in present(first) if block.name not in names]
+
+
+def same_edge(first: read.Results, second: read.Results) -> bool:
+    """Whether two runs have their transition at the same place, in the same direction."""
+    edges = [edge_of_structure(run) for run in (first, second)]
+    if edges[0] is None or edges[1] is None:
+        return edges[0] is edges[1]
+    return abs(edges[0] - edges[1]) <= TINY and \
+        direction(first, edges[0]) == direction(second, edges[1])
 
 
 def differ_by_wedge(first: read.Results, second: read.Results) -> bool:
-    """Whether the first run has blocks of the ground that the second is without, none of them a
-    structure, and no other difference of blocks."""
-    one, other = ({block.name: block.structure for block in present(run)}
-                  for run in (first, second))
-    more = one.keys() - other.keys()
-    return bool(more) and other.keys() < one.keys() and not any(one[name] for name in more)
+    """Whether the first run has measures that the second is without, and no other difference of
+    blocks; both have the same edge of the structure."""
+    more = more_blocks(first, second)
+    return bool(more) and not more_blocks(second, first) and same_edge(first, second) and \
+        not any(block.structure for block in more)
 
 
 def carried_by_springs(results: read.Results) -> bool:
@@ -168,15 +245,18 @@ def ends(results: read.Results) -> np.ndarray:
     return at_ends(len(results.sleepers_x), carried_by_springs(results))
 
 
-def plain_track(results: read.Results, edge: float, wedge: float,
+def plain_track(results: read.Results, edge: float, changing: float,
                 spacing: float) -> tuple[float, float]:
-    """Distances from the edge, m, between which the track is plain: from BEYOND spacings behind the
-    wedge (of this length, m) to the end of the ground, to the last sleeper that is judged, or to
-    BEYOND spacings before the next structure. Nothing is plain if the second is smaller."""
-    turn = direction(results, edge)
+    """Distances from the edge, m, between which the track is plain: from BEYOND spacings behind
+    `changing`, the distance over which it changes, m, to the end of the ground, or to BEYOND
+    spacings before the next structure; of a run with a train from the first sleeper there to the
+    last one that is judged. Nothing is plain if the second is smaller."""
+    turn, begin = direction(results, edge), changing + BEYOND * spacing
     ends = [float(np.max(turn * (results.ground_x - edge)))]
     if carried_by_springs(results) and len(results.sleepers_x) > ENDS:
-        ends.append(float(np.sort(turn * (results.sleepers_x - edge))[-ENDS - 1]))
+        sleepers = np.sort(turn * (results.sleepers_x - edge))
+        ends.append(float(sleepers[-ENDS - 1]))
+        begin = float(min(sleepers[sleepers >= begin - TINY], default=begin))
     others = [turn * (x - edge) for span in structures(results) for x in span]
     ends += [x - BEYOND * spacing for x in others if x > TINY]
-    return wedge + BEYOND * spacing, min(ends)
+    return begin, min(ends)

@@ -9,13 +9,13 @@ import dataclasses
 
 import numpy as np
 
-from trackbed_post import ground_blocks, judgement, measures, read
+from trackbed_post import ground_blocks, judgement, measures, read, zones
 from trackbed_post.ground_blocks import TINY
 from trackbed_post.judgement import CLEAR, Difference
 from trackbed_post.measures import NOWHERE
+from trackbed_post.zones import REACHED
 
 Runs = collections.abc.Sequence[read.Results]
-REACHED = 0.9    # the transition ends where this fraction of the change is reached
 
 
 @dataclasses.dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Transition:
     far_displacement: float         # m, median over plain track
     plain_begin: float              # m, x of the ends of plain track, the lower one first
     plain_end: float
-    wedge: bool                     # whether a wedge is present
+    wedge: str                      # the measures behind the edge in words; empty without one
     width: float                    # m, from the edge to REACHED of the change
     steepest: float                 # m/m, ground displacement smoothed over one spacing, whole line
     steepest_x: float               # m, its x
@@ -47,29 +47,6 @@ class Transition:
     def stress_level(self) -> float:
         """Mean stress around the edge, Pa: the reference of a jump."""
         return (self.stress_structure + self.stress_beyond) / 2
-
-
-def _orderly(results: read.Results, edge: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Distance from the edge into the soft ground, m, with displacement and compression."""
-    distance = ground_blocks.direction(results, edge) * (results.ground_x - edge)
-    order = np.argsort(distance)
-    down = -results.ground_envelope["displacement_min"].values
-    compression = -results.ground_envelope["sigma_z_min"].values
-    return distance[order], down[order], compression[order]
-
-
-def _width(distance: np.ndarray, down: np.ndarray, start: float, end: float) -> float:
-    """Where `down` first reaches REACHED of the change from start to end; nan if never."""
-    reached = np.flatnonzero((distance > TINY) & ((down - start) * np.sign(end - start)
-                                          >= REACHED * abs(end - start)))
-    return float(distance[reached[0]]) if len(reached) and np.isfinite(end) else NOWHERE
-
-
-def _plain(distance: np.ndarray, begin: float, end: float, reach: float) -> np.ndarray:
-    """Which of the distances are on plain track: none if it is shorter than a sleeper spacing."""
-    if end - begin < reach - TINY:
-        return np.zeros(len(distance), dtype=bool)
-    return (distance >= begin - TINY) & (distance <= end + TINY)
 
 
 def _slopes(distance: np.ndarray, smooth: np.ndarray, plain: np.ndarray, reach: float,
@@ -111,26 +88,23 @@ def why_no_transition(results: read.Results) -> str:
     """Why a run has no transition; empty if it has one."""
     return measures.why_no_envelope(results) or (
         "" if ground_blocks.edge_of_structure(results) is not None else
-        f"{results.name}: the ground needs a structure, a block with young of at least "
-        f"{ground_blocks.STRUCTURE / 1e9:g} GPa (present = true); at least one of its ends along x "
-        "must lie inside the ground")
+        f"{results.name}: the ground needs a structure, a block of {ground_blocks.RULE} (present = "
+        "true); at least one of its ends along x must lie inside the ground"
+        f"{ground_blocks.shallow(results)}")
 
 
-def transition(results: read.Results, wedge: float = 0.0) -> Transition | None:
-    """None without a transition (`why_no_transition`). `wedge`: least distance from the edge at
-    which plain track begins, m (that of another run's wedge)."""
-    edge = ground_blocks.edge_of_structure(results)
-    if edge is None or why_no_transition(results):
+def transition(results: read.Results, changing: float | None = None) -> Transition | None:
+    """None without a transition (`why_no_transition`). `changing`: distance from the edge over
+    which the track changes, m, beyond which plain track begins; by default that of this run."""
+    edge, surface = ground_blocks.edge_of_structure(results), zones.surface_of(results)
+    if edge is None or surface is None:
         return None
-    distance, down, compression = _orderly(results, edge)
+    distance, compression = surface.distance, surface.compression
     reach = measures.spacing(results)
-    smooth = measures.smoothed(distance, down, reach)
     low, high = ground_blocks.structure(results) or (edge, edge)
-    start = float(np.max(down[(distance <= TINY) & (distance >= low - high - TINY)]))
-    wedge = max(wedge, ground_blocks.wedge_length(results))
-    plain = _plain(distance, *ground_blocks.plain_track(results, edge, wedge, reach), reach)
-    end = float(np.median(down[plain])) if plain.any() else NOWHERE
-    steepest, where, at_edge, on_plain = _slopes(distance, smooth, plain, reach, high - low)
+    plain = zones.plain_nodes(results, surface,
+                              zones.changing([results]) if changing is None else changing)
+    steepest, where, at_edge, on_plain = _slopes(distance, surface.smooth, plain, reach, high - low)
     before, behind = _beside(distance, compression, 0.0, reach)
     turn = ground_blocks.direction(results, edge)
     places = edge + turn * distance[plain] if plain.any() else np.array([NOWHERE])
@@ -138,10 +112,11 @@ def transition(results: read.Results, wedge: float = 0.0) -> Transition | None:
     residual = residual[~ground_blocks.ends(results)[:len(residual)]]
     known = len(residual) and measures.train_has_left(results)
     return Transition(
-        edge=edge, structure_displacement=start, far_displacement=end,
+        edge=edge, structure_displacement=surface.on_structure,
+        far_displacement=float(np.median(surface.down[plain])) if plain.any() else NOWHERE,
         plain_begin=float(places.min()), plain_end=float(places.max()),
-        wedge=ground_blocks.has_wedge(results),
-        width=_width(distance, smooth, start, end),
+        wedge=ground_blocks.wedge_words(results),
+        width=zones.ground_width(surface, plain),
         steepest=steepest, steepest_x=edge + turn * where,
         edge_slope=at_edge, slope_scatter=on_plain, stress_structure=before, stress_beyond=behind,
         stress_scatter=_jumps(distance, compression, plain, reach),
@@ -164,18 +139,25 @@ ROWS = (  # label, unit, field, factor
     ("stress jump at the edge, difference of these means", "kPa", "stress_jump", 1e-3),
     ("largest such difference on plain track (scatter)", "kPa", "stress_scatter", 1e-3),
     ("largest sleeper displacement in the passage", "mm", "sleeper_displacement", 1e3),
-    ("largest residual sleeper displacement after it", "mm", "sleeper_residual", 1e3),
+    ("largest residual displacement of sleeper and ground", "mm", "sleeper_residual", 1e3),
 )
+WIDE = max(len(label) for label, *_ in ROWS) + 1
+NOTES = (
+    "stresses: added by the passage; without weight of the bed and static preload",
+    "residual displacement of sleeper and ground: of a sleeper in the last row, the ground below "
+    "it included; it may be smaller than the largest settlement into the bed (transition.txt), "
+    "which is relative to the ground: this still vibrates and may be above its level at rest")
 
 
+PLACES = ("plain_begin", "plain_end", "steepest_x")
 # Rows without a relative change.
-NO_CHANGE = ("plain_begin", "plain_end", "steepest_x", "slope_scatter", "stress_scatter")
+NO_CHANGE = (*PLACES, "slope_scatter", "stress_scatter")
 
 
 def plain_track(found: collections.abc.Sequence[Transition]) -> str:
     """Plain track in words, of one run or of two: with its ends along x, and the wedge if there is
     one."""
-    beyond = " beyond the wedge" if any(one.wedge for one in found) else ""
+    beyond = next((f" beyond the {one.wedge}" for one in found if one.wedge), "")
     ends = {f"{one.plain_begin:.2f} to {one.plain_end:.2f} m" for one in found}
     known = len(ends) == 1 and np.isfinite(found[0].plain_end)
     return f"plain track{beyond}" + (f" (x = {ends.pop()})" if known else "")
@@ -185,25 +167,13 @@ def table(runs: Runs, unsound: str = "") -> str:
     """Text of the results of one or two runs; with two also the change from the second to the
     first, which is the effect of the wedge if only the first has one. `unsound`: why these beds
     have no verdict."""
-    wedge = max(ground_blocks.wedge_length(run) for run in runs)
-    found = [one for run in runs if (one := transition(run, wedge))]
+    found = [one for run, changing in zip(runs, zones.changing_of_each(runs))
+             if (one := transition(run, changing))]
     if len(found) < len(runs):
         reasons = "; ".join(filter(None, map(why_no_transition, runs)))
         return f"no transition to measure: {reasons}\n" + "".join(
             line + "\n" for run in runs for line in measures.warnings(run))
-    head = f"{'downwards and compression positive':<48}{'':>6}"
-    lines = [head + "".join(f" {run.name:>11}" for run in runs)
-             + (f"{'change':>10}" if len(runs) == 2 else "")]
-    for label, unit, field, factor in ROWS:
-        values = [getattr(numbers, field) * factor for numbers in found]
-        line = f"{label:<48}{unit:>6}" + "".join(
-            f"{value:12.4g}" if np.isfinite(value) else f"{'-':>12}" for value in values)
-        change = Difference(values[0], values[-1], 0, unit).change
-        if len(values) == 2 and field not in NO_CHANGE and np.isfinite(change):
-            line += f"{change:+10.1%}"
-        lines.append(line)
-    lines += ["", "stresses: added by the passage; without weight of the bed and static "
-              "preload"]
+    lines = [*_rows(runs, found), "", *NOTES]
     if left_out := measures.without_ends(runs[0]):
         lines.append(f"sleepers: {left_out}")
     if not np.isfinite(found[0].far_displacement):
@@ -212,19 +182,44 @@ def table(runs: Runs, unsound: str = "") -> str:
     moved_stones = [line for run in runs for line in measures.warnings(run)]
     lines += moved_stones
     if len(found) == 2:
-        if runs[0].deck.get("stage") != runs[1].deck.get("stage"):
-            lines.append("warning: the two decks differ in their stages")
-        if moved_stones:
-            by_wedge = any(ground_blocks.differ_by_wedge(*pair) for pair in (runs, runs[::-1]))
-            cause = "the wedge" if by_wedge else "what the decks differ by"
-            lines.append("warning: differences in the comparison below may have other causes than "
-                         f"{cause}: see the warnings above")
-        if ground_blocks.carried_by_springs(runs[0]) and \
-                runs[0].deck.get("dimension", "plane") == "plane":
-            lines.append(ON_GROUND)
-        lines += effect(found[0], found[1], measures.spacing(runs[0]),
-                        judgement.why_no_pair(*runs), unsound)
+        lines += _comparison(runs, found, unsound, bool(moved_stones))
     return "\n".join(lines) + "\n"
+
+
+def _rows(runs: Runs, found: list[Transition]) -> list[str]:
+    """The head and a line for each of ROWS."""
+    compared = len(runs) == 2 and not judgement.why_no_comparison(*runs)
+    head = f"{'downwards and compression positive':<{WIDE}}{'':>6}"
+    lines = [head + "".join(f" {run.name:>11}" for run in runs)
+             + (f"{'change':>10}" if compared else "")]
+    for label, unit, field, factor in ROWS:
+        values = [getattr(numbers, field) * factor for numbers in found]
+        line = f"{label:<{WIDE}}{unit:>6}" + "".join(
+            f"{judgement.shown(value, field in PLACES):>12}" for value in values)
+        change = Difference(values[0], values[-1], 0, unit).change
+        if compared and field not in NO_CHANGE and np.isfinite(change):
+            line += f"{change:+10.0%}"
+        lines.append(line)
+    return lines
+
+
+def _comparison(runs: Runs, found: list[Transition], unsound: str, moved: bool) -> list[str]:
+    """What differs between two runs; `moved`: whether stones of one have moved."""
+    lines = []
+    if runs[0].deck.get("stage") != runs[1].deck.get("stage"):
+        lines.append("warning: the two decks differ in their stages")
+    if why := judgement.why_no_comparison(*runs):
+        return [*lines, f"no comparison: {why}"]
+    if moved:
+        causes = [f"the {ground_blocks.listed(ground_blocks.more_blocks(*pair))}"
+                  for pair in (runs, runs[::-1]) if ground_blocks.differ_by_wedge(*pair)]
+        lines.append("warning: differences in the comparison below may have other causes than "
+                     f"{(causes or ['what the decks differ by'])[0]}: see the warnings above")
+    if ground_blocks.carried_by_springs(runs[0]) and \
+            runs[0].deck.get("dimension", "plane") == "plane":
+        lines.append(ON_GROUND)
+    return lines + effect(found[0], found[1], measures.spacing(runs[0]),
+                          judgement.why_no_pair(*runs), unsound)
 
 
 def differences(first: Transition, second: Transition, spacing: float) -> dict[str, Difference]:
@@ -271,7 +266,8 @@ def effect(first: Transition, second: Transition, spacing: float, no_pair: str =
     far = Difference(first.far_displacement, second.far_displacement, 0, "mm", 1e3).change
     differs = abs(far) > CLEAR
     if np.isfinite(far):
-        nothing = "neither run has a wedge there" if first.wedge or second.wedge else \
+        wedge = first.wedge or second.wedge
+        nothing = f"neither run has a {wedge} there" if wedge else \
             "it is beyond the transition"
         lines.append(f"ground displacement on {plain_track((first, second))}: {far:+.0%}: " + (
             f"differs by more than {CLEAR:.0%}, although {nothing}: the runs are not comparable"

@@ -14,14 +14,46 @@ NO_PAIR = "the first run must have all blocks of the second and at least one mor
 PLAIN = "the scatter on plain track"
 
 
+def shown(value: float, place: bool = False) -> str:
+    """A number of a table: three digits, since levels depend on the row from which they count; of a
+    place, m, to the millimetre. A dash if it is not known."""
+    if not math.isfinite(value):
+        return "-"
+    if place:
+        return f"{round(value, 3) + 0.0:.6g}"
+    return f"{value:#.3g}".removesuffix(".") if abs(value) < 1000 else f"{value:.0f}"
+
+
+def why_no_comparison(first: read.Results, second: read.Results) -> str:
+    """Why places of two runs cannot be compared; empty if they have the same edge."""
+    if ground_blocks.same_edge(first, second):
+        return ""
+    edges = [ground_blocks.edge_of_structure(run) for run in (first, second)]
+    ends = [f"{'no structure' if edge is None else f'the structure up to x = {edge:.2f} m'} in "
+            f"{run.name}" for run, edge in zip((first, second), edges)]
+    return (f"the transitions of both runs are not at the same place: {' and '.join(ends)} (a "
+            f"structure is a block of {ground_blocks.RULE})")
+
+
 def why_no_pair(first: read.Results, second: read.Results) -> str:
     """Why two runs cannot be judged; empty if the first has the wedge that the second lacks."""
     if ground_blocks.differ_by_wedge(first, second):
         return ""
     if ground_blocks.differ_by_wedge(second, first):
-        return (f"{NO_PAIR}; here the second one, {second.name}, has the wedge: exchange the two "
+        what = ground_blocks.listed(ground_blocks.more_blocks(second, first))
+        return (f"{NO_PAIR}; here the second one, {second.name}, has the {what}: exchange the two "
                 "runs in the command")
-    return NO_PAIR
+    if why := why_no_comparison(first, second):
+        return why
+    more, fewer = (ground_blocks.more_blocks(*pair) for pair in ((first, second), (second, first)))
+    if stiff := [block for block in more if block.structure]:
+        return (f"{NO_PAIR}; here {ground_blocks.listed(stiff)}, which only the first one has, is "
+                f"a structure ({ground_blocks.RULE})")
+    if fewer:
+        return (f"{NO_PAIR}; here {ground_blocks.listed(fewer)} is in the second one, "
+                f"{second.name}, only")
+    blocks = ", ".join(block.label for block in ground_blocks.present(first)) or "none"
+    return f"{NO_PAIR}; here both have the same blocks: {blocks}"
 
 
 @dataclasses.dataclass(frozen=True)

@@ -118,14 +118,14 @@ class Scene:
                             f"{modulus(layer['young'])}", ha="right", va="center", fontsize=9,
                             clip_on=True)
             z -= thick
-        for block in ground.get("block", []):
-            if not block.get("present", True):
+        for given, block in zip(ground.get("block", []), ground_blocks.every(self.run)):
+            if not block.present:
                 continue
-            outline = np.reshape(block["outline"], (-1, 2))
-            style = STRUCTURE if ground_blocks.is_structure(block) else SOFT
+            outline = np.reshape(given["outline"], (-1, 2))
+            style = STRUCTURE if block.structure else SOFT
             self.panel.add_patch(matplotlib.patches.Polygon(outline, lw=0.7, **style))
-            self.panel.text(*outline.mean(axis=0), f"{block['name'].replace('_', ' ')}, "
-                            f"{modulus(block['young'])}", ha="center", va="center", fontsize=9,
+            self.panel.text(*outline.mean(axis=0), f"{block.label}, {modulus(block.young)}",
+                            ha="center", va="center", fontsize=9,
                             clip_on=True, bbox={"facecolor": "white", "alpha": 0.75, "lw": 0,
                                                 "pad": 1})
         if z < 0:

@@ -79,6 +79,7 @@ class Results:
     regions: dict[str, Quantities]  # per region; [time, cell], tensors [time, cell, 6]
     seat: Quantities   # of a train on two rails: [time, seat], left before right
     wheel: Quantities  # of a train: `x`, m, nan beside the track, and `force`, N: [time, wheel]
+    rail: Quantities   # of a train: `displacement`, m, above each sleeper or seat: [time, place]
     sensors: dict[str, Quantities]  # per sensor: [time], [time, x y z]; stress [time, 6]
     placed: dict[str, Quantities]  # per stone placed by the deck: [time], [time, x y z]
     surfaces: dict[str, Quantities]  # per plate and box force, impulse, peak_force, displacement
@@ -88,6 +89,7 @@ class Results:
     chains: dict[str, Chains]
     stones: dict[str, Stones]
     warnings: tuple[str, ...]       # messages of the run, from summary.json
+    aim_reached: dict[str, bool]    # stage -> whether its aim was reached, from the same file
     surface: dict[str, np.ndarray]  # stage -> rows x, y, z of the bed's top, m; z nan: no stone
     breaks: dict[str, np.ndarray]   # stage -> rows of BREAK, pebbles that broke off up to its end
     bonds: dict[str, Bonds]         # stage -> those at its end
@@ -178,13 +180,6 @@ def _regions(file: h5py.File) -> dict[str, Quantities]:
     return found
 
 
-def _warnings(summary: pathlib.Path) -> tuple[str, ...]:
-    """Warnings of the run; none before it has ended."""
-    if not summary.is_file():
-        return ()
-    return tuple(json.loads(summary.read_text(encoding="utf-8")).get("warnings", ()))
-
-
 def _named(file: h5py.File, place: str) -> dict[str, Quantities]:
     """Histories of each named part."""
     return {name: _quantities(file, group.name)
@@ -273,11 +268,15 @@ def _results(file_path: pathlib.Path, file: h5py.File) -> Results:
         walls=_named(file, "history/wall"),
         seat=_of_places(file, "history/seat"),
         wheel=_of_places(file, "history/wheel"),
+        rail=_of_places(file, "history/rail"),
         sensors=_named(file, "history/sensor"),
         placed=_named(file, "history/stone"),
         surfaces=_named(file, "history/surface"),
         total=_quantities(file, "history/total"),
-        warnings=_warnings(file_path.parent / "summary.json"),
+        warnings=tuple(summary(file_path.parent).get("warnings", ())),
+        aim_reached={stage["name"]: stage["aim_reached"]
+                     for stage in summary(file_path.parent).get("stages", ())
+                     if "aim_reached" in stage},
         platen=_platen(file),
         regions=_regions(file),
         sleeper_envelope=_quantities(file, "envelope/sleeper"),

@@ -10,12 +10,13 @@ import dataclasses
 
 import numpy as np
 
-from trackbed_post import (bed_warnings, ground_blocks, measures, passage_warnings, read,
-                           train_figures, transition_figures, transition_verdict, write)
+from trackbed_post import (bed_warnings, ground_blocks, judgement, measures, passage_warnings, read,
+                           train_figures, transition_figures, transition_verdict, write, zones)
 from trackbed_post.ground_blocks import ENDS
-from trackbed_post.ground_transition import REACHED
+from trackbed_post.zones import REACHED, Zone, zone_of
 
-BIN = 0.1            # m, of the largest wheel force along the track
+BIN = 0.1            # m, of the curve of the largest wheel force along the track
+LONG = 20            # characters of the names of blocks in the name of a run
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,25 +48,32 @@ class Train:
         """Of the sleepers that are not at the ends of the bed."""
         return self.settlement()[~ground_blocks.at_ends(len(self.run.sleepers_x), True)]
 
-    def largest_force(self):
-        """x, m, and the largest force of any wheel there, N, along the bed."""
-        low, high = self.run.sleepers_x[[0, -1]]
-        edges = np.arange(low, high + BIN, BIN)
+    def wheels(self):
+        """x, m, and force, N, of all wheels on the track in all rows."""
         x = np.repeat(self.passing.x[..., None], self.passing.force.shape[2], axis=2).ravel()
         force = self.passing.force.ravel()
         known = np.isfinite(x) & np.isfinite(force)
-        number = np.digitize(x[known], edges) - 1
+        return x[known], force[known]
+
+    def largest_force(self):
+        """x, m, and the largest force of any wheel there, N, along the bed: in bins of BIN, x of
+        their middles."""
+        low, high = self.run.sleepers_x[[0, -1]]
+        edges = np.arange(low, high + BIN, BIN)
+        x, force = self.wheels()
+        number = np.digitize(x, edges) - 1
         found = np.full(len(edges) - 1, np.nan)
         for k in np.intersect1d(number, np.arange(len(found))):
-            found[k] = force[known][number == k].max()
+            found[k] = force[number == k].max()
         return (edges[:-1] + edges[1:]) / 2, found
 
     def largest_force_in(self, sleepers):
-        """(N, x in m) of the largest force of any wheel between the first and last of these."""
-        x, force = self.largest_force()
+        """(N, x in m) of the largest force of any wheel between the first and last of these, in
+        its row of the histories."""
         low, high = self.run.sleepers_x[sleepers][[0, -1]]
-        force = np.where((x >= low) & (x <= high), force, np.nan)
-        most = int(np.nanargmax(force))
+        x, force = self.wheels()
+        x, force = x[there := (x >= low) & (x <= high)], force[there]
+        most = int(np.argmax(force))
         return float(force[most]), float(x[most])
 
     def mean_force(self):
@@ -102,45 +110,16 @@ def train_of(folder):
 
 def named(trains):
     """With names for legends and files: what the design is, or the folder."""
-    if len(trains) == 2 and ground_blocks.differ_by_wedge(*(train.run for train in trains)):
-        names = ("with wedge", "without wedge")
+    runs = [train.run for train in trains]
+    if len(trains) == 2 and ground_blocks.differ_by_wedge(*runs):
+        what = ground_blocks.listed(ground_blocks.more_blocks(*runs))
+        names = [f"{word} {what if len(what) <= LONG else 'measures'}"
+                 for word in ("with", "without")]
     else:
         names = [train.run.name for train in trains]
         if len(set(names)) < len(names):
             names = [f"{name} {number + 1}" for number, name in enumerate(names)]
     return [dataclasses.replace(train, name=name) for train, name in zip(trains, names)]
-
-
-@dataclasses.dataclass(frozen=True)
-class Zone:
-    """Which sleepers are judged, [sleeper]: on the structure, on plain track, and from the last of
-    the former to the first of the latter, both included, so that each space between two sleepers
-    belongs to one part; `distance`, m, from the edge into the soft ground."""
-    distance: np.ndarray
-    structure: np.ndarray
-    transition: np.ndarray
-    plain: np.ndarray
-
-
-def zone_of(run, changing):
-    """The Zone of a run; `changing`: distance from the edge, m, over which the track changes. None
-    without a structure, or without sleepers in one of its parts."""
-    edge = ground_blocks.edge_of_structure(run)
-    if edge is None:
-        return None
-    x, spacing = run.sleepers_x, measures.spacing(run)
-    distance = ground_blocks.direction(run, edge) * (x - edge)
-    low, high = ground_blocks.structure(run)
-    begin, end = ground_blocks.plain_track(run, edge, changing, spacing)
-    judged = ~ground_blocks.at_ends(len(x), True)
-    tiny = measures.TINY
-    structure = judged & (x >= low - tiny) & (x <= high + tiny) & (distance <= -spacing + tiny)
-    plain = judged & (distance >= begin - tiny) & (distance <= end + tiny)
-    if min(np.count_nonzero(structure), np.count_nonzero(plain)) < 2:
-        return None
-    between = (distance >= distance[structure].max() - tiny) & (
-        distance <= distance[plain].min() + tiny)
-    return Zone(distance, structure, between, plain)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -176,30 +155,18 @@ def steepest_within(level, place, part):
 
 
 def changes_of(trains):
-    """A Change of each train, or None if a run has no such zone. Plain track begins behind the
-    longest wedge and where each run has reached REACHED of the change to its own plain track, which
-    in turn depends on its level."""
-    changing = max(ground_blocks.wedge_length(train.run) for train in trains)
-    while found := changes_beyond(trains, changing):
-        widths = [width_of(one.zone.distance, train.rail_down(), one.structure, one.plain)
-                  for train, one in zip(trains, found)]
-        widest = max(filter(np.isfinite, widths), default=0.0)
-        if widest <= changing + measures.TINY:
-            break
-        changing = widest
-    return found
-
-
-def changes_beyond(trains, changing):
-    """The same if the track changes over this distance from the edge, m. Plain track is the same in
-    all designs: its level, from which the width follows, is the mean over them."""
-    zones = [zone_of(train.run, changing) for train in trains]
-    if None in zones:
+    """A Change of each train, or None if a run has no such zone. Plain track begins at the same
+    place in all designs, and has the same level, from which the width follows: the mean over them;
+    unless their structures end at different places."""
+    runs = [train.run for train in trains]
+    found = [zone_of(run, changing) for run, changing in zip(runs, zones.changing_of_each(runs))]
+    if None in found:
         return None
     plains = [float(np.median(train.rail_down()[zone.plain]))
-              for train, zone in zip(trains, zones)]
-    return [change_of(train, zone, plain, float(np.mean(plains)))
-            for train, zone, plain in zip(trains, zones, plains)]
+              for train, zone in zip(trains, found)]
+    same = all(ground_blocks.same_edge(runs[0], run) for run in runs[1:])
+    return [change_of(train, zone, plain, float(np.mean(plains)) if same else plain)
+            for train, zone, plain in zip(trains, found, plains)]
 
 
 def change_of(train, zone, plain, goal):
@@ -213,7 +180,7 @@ def change_of(train, zone, plain, goal):
         return float(np.interp(place, x, zone.distance))
     return Change(
         zone=zone, structure=structure, plain=plain,
-        width=width_of(zone.distance, level, structure, goal), steepest=steepest,
+        width=zones.rail_width(zone.distance, level, structure, goal), steepest=steepest,
         steepest_x=steepest_x, steepest_behind=behind(steepest_x),
         scatter=steepest_within(level, x, zone.plain)[0],
         sleeper_steepest=steepest_within(train.sleeper_down(), x, zone.transition)[0],
@@ -223,21 +190,6 @@ def change_of(train, zone, plain, goal):
         force_structure=train.largest_force_in(zone.structure)[0],
         force_plain=train.largest_force_in(zone.plain)[0],
         plain_begin=float(x[zone.plain].min()), plain_end=float(x[zone.plain].max()))
-
-
-def width_of(distance, level, structure, plain):
-    """Distance behind the edge at which the level, linear between sleepers, first reaches
-    REACHED of the change; nan if never."""
-    order = np.argsort(distance)
-    distance, level = distance[order], level[order]
-    goal = structure + REACHED * (plain - structure)
-    at = np.concatenate([[0], distance[distance > measures.TINY]])
-    there = (np.interp(at, distance, level) - goal) * np.sign(plain - structure)
-    reached = np.flatnonzero(there >= 0)
-    if not len(reached):
-        return measures.NOWHERE
-    k = reached[0]
-    return float(np.interp(0, there[k - 1:k + 1], at[k - 1:k + 1])) if k else 0.0
 
 
 ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3),
@@ -260,6 +212,9 @@ ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3)
         ("last sleeper of plain track, x, m", "plain_end", 1))
 
 
+PLACES = ("steepest_x", "steepest_behind", "force_x", "force_behind", "plain_begin", "plain_end")
+
+
 def numbers(folder):
     """Name -> number of one run, those of its column in transition.txt."""
     train = train_of(folder)
@@ -270,9 +225,9 @@ def numbers(folder):
 
 
 OF_TRAINS = (("mean wheel force over the bed, kN", lambda train: 1e-3 * train.mean_force()),
-             ("settlement of sleepers into the bed, mean, mm",
+             ("settlement of sleepers into the bed, relative to the ground, mean, mm",
               lambda train: 1e3 * train.settlement_judged().mean()),
-             ("settlement of sleepers into the bed, largest, mm",
+             ("settlement of sleepers into the bed, relative to the ground, largest, mm",
               lambda train: 1e3 * train.settlement_judged().max()))
 
 
@@ -281,10 +236,11 @@ def table(trains, changes):
     lines = [" " * wide + "".join(f"{train.name:>15}" for train in trains)]
     for label, field, factor in ROWS if changes else ():
         lines.append(f"{label:<{wide}}" + "".join(
-            f"{value:15.4g}" if np.isfinite(value) else f"{'-':>15}"
-            for value in (getattr(change, field) * factor for change in changes)))
+            f"{judgement.shown(getattr(change, field) * factor, field in PLACES):>15}"
+            for change in changes))
     for label, of in OF_TRAINS:
-        lines.append(f"{label:<{wide}}" + "".join(f"{of(train):15.4g}" for train in trains))
+        lines.append(f"{label:<{wide}}" + "".join(
+            f"{judgement.shown(of(train)):>15}" for train in trains))
     return "\n".join(lines) + "\n"
 
 

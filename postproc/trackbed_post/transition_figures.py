@@ -8,7 +8,7 @@ import numpy as np
 
 from trackbed_post import (film_files, ground_blocks, measures, model_drawing, panels, read, shades,
                            write)
-from trackbed_post.ground_transition import REACHED
+from trackbed_post.zones import REACHED
 
 # Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
 STYLES = tuple({"color": colour, "ls": line}
@@ -55,9 +55,9 @@ def bracket_zones(panel, train, zone):
 
 
 def note_of(trains):
-    """What follows the names of blocks that only the first of two runs has."""
+    """What follows the names of blocks that only the first of two runs has: its name in legends."""
     differ = len(trains) == 2 and ground_blocks.differ_by_wedge(*(train.run for train in trains))
-    return "\n(in the first run)" if differ else ""
+    return f"\n({trains[0].name})" if differ else ""
 
 
 def wrapped(text):

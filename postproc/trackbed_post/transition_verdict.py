@@ -12,9 +12,9 @@ import typing
 
 import numpy as np
 
-from trackbed_post import ground_blocks, ground_transition, measures, read
-from trackbed_post.ground_transition import REACHED
-from trackbed_post.judgement import CLEAR, Difference, why_no_pair
+from trackbed_post import ground_blocks, ground_transition, measures, read, zones
+from trackbed_post.judgement import CLEAR, Difference, shown, why_no_pair
+from trackbed_post.zones import REACHED
 
 if typing.TYPE_CHECKING:
     from trackbed_post.transition import Change, Train
@@ -55,19 +55,26 @@ def different_keys(first: read.Results, second: read.Results) -> list[str]:
     return differing
 
 
+def what_differs(trains: list[Train]) -> str:
+    """What the first run has and the second has not."""
+    return ground_blocks.listed(ground_blocks.more_blocks(*(train.run for train in trains)))
+
+
 def why_no_verdict(trains: list[Train], changes: list[Change] | None) -> str:
     runs = [train.run for train in trains]
     if len(runs) < 2:
-        return "give a second run, without the wedge" if ground_blocks.has_wedge(runs[0]) else \
+        measure = ground_blocks.listed(ground_blocks.measures_of(runs[0]))
+        return f"give a second run, without the {measure}" if measure else \
             "this run has no wedge: give one with a wedge, and this one as the second"
     if no_pair := why_no_pair(*runs):
         return no_pair
     if keys := different_keys(*runs):
-        return f"the decks differ in {', '.join(keys)}, not only in the wedge"
+        return f"the decks differ in {', '.join(keys)}, not only in the {what_differs(trains)}"
+    if changes is None and ground_blocks.edge_of_structure(runs[0]) is None:
+        return (f"the ground has no structure (a block of {ground_blocks.RULE})"
+                f"{ground_blocks.shallow(runs[0])}")
     if changes is None:
-        return ("the ground has no structure (a block with young of at least "
-                f"{ground_blocks.STRUCTURE / 1e9:g} GPa), or there are too few sleepers on it, "
-                "behind it or on plain track")
+        return "there are too few sleepers on the structure, behind it or on plain track"
     now, other = changes
     if min(abs(1 - change.structure / change.plain) for change in changes) <= CLEAR:
         return ("the lowest levels of the rail on the structure and on plain track differ by less "
@@ -85,30 +92,33 @@ def verdict(trains: list[Train], changes: list[Change] | None, unsound: str = ""
     verdict (bed_warnings.py); the numbers are stated all the same."""
     if (why := why_no_verdict(trains, changes)) or changes is None:
         return f"No verdict: {why}."
-    now, other = changes
+    (now, other), what = changes, what_differs(trains)
     judged = {field: "" if unsound else f": {found.words(True)}"
               for field, found in differences(trains, changes).items()}
     numbers = (
         "The lowest level of the rail under the train changes from structure to plain track. "
-        f"With the wedge, {REACHED:.0%} of this change is reached {now.width:.2g} m behind the "
+        f"With the {what}, {REACHED:.0%} of this change is reached {now.width:.2g} m behind the "
         f"structure instead of {other.width:.2g} m{judged['width']}. The steepest change of "
         f"this level between two sleepers is {1e3 * now.steepest:.2g} mm/m "
         f"{place(now.steepest_x, now.steepest_behind)}, instead of {1e3 * other.steepest:.2g} "
         f"mm/m {place(other.steepest_x, other.steepest_behind)} "
         f"({now.steepest / other.steepest - 1:+.0%}){judged['steepest']}. The largest wheel "
-        f"force in the transition is {1e-3 * now.force:.1f} kN "
-        f"{place(now.force_x, now.force_behind)}, instead of {1e-3 * other.force:.1f} kN "
+        f"force in the transition is {shown(1e-3 * now.force)} kN "
+        f"{place(now.force_x, now.force_behind)}, instead of {shown(1e-3 * other.force)} kN "
         f"{place(other.force_x, other.force_behind)}{judged['force']}.")
     packing = "One packing of stones was computed."
     if unsound:
         return (f"No verdict, since {unsound}: such a bed can change the following numbers more "
-                f"than a wedge does. {numbers} {packing} The remedies are in the warnings.")
+                f"than the {what} does. {numbers} {packing} The remedies are in the warnings.")
     return f"{numbers} {cause_of_forces(trains, changes)} {packing}"
 
 
 def place(x: float, behind: float) -> str:
+    """Of a row of the histories with its millimetres, since it may be just before or behind the
+    end of the structure."""
     side = "behind" if behind >= 0 else "before the end of"
-    return f"at x = {x:.2f} m, {abs(behind):.2f} m {side} the structure"
+    digits = 2 if abs(behind) >= 0.05 else 3
+    return f"at x = {x:.{digits}f} m, {abs(behind):.{digits}f} m {side} the structure"
 
 
 def cause_of_forces(trains: list[Train], changes: list[Change]) -> str:
@@ -119,7 +129,7 @@ def cause_of_forces(trains: list[Train], changes: list[Change]) -> str:
                   "kN").clear]
 
     def both(field: str) -> str:
-        return " and ".join(f"{1e-3 * getattr(change, field):.1f}" for change in changes)
+        return " and ".join(shown(1e-3 * getattr(change, field)) for change in changes)
     elsewhere = (f"forces on plain track, up to {both('force_plain')} kN; on the structure they "
                  f"reach {both('force_structure')} kN")
     if larger:
@@ -148,8 +158,8 @@ def beside_ground(rail: Differences, ground: Differences) -> str:
 
 def of_ground(runs: list[read.Results]) -> Differences:
     """Of two runs, at the ground's surface; empty where it cannot be measured."""
-    wedge = max(ground_blocks.wedge_length(run) for run in runs)
-    first, second = (ground_transition.transition(run, wedge) for run in runs)
+    first, second = (ground_transition.transition(run, changing)
+                     for run, changing in zip(runs, zones.changing_of_each(runs)))
     if first is None or second is None:
         return {}
     return ground_transition.differences(first, second, measures.spacing(runs[0]))

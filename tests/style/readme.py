@@ -21,7 +21,7 @@ FORCE, ON_STRUCTURE, ON_PLAIN = (f"largest wheel force {where}, kN" for where in
 MEAN = "mean wheel force over the bed, kN"
 SLEEPERS, SLEEPERS_PLAIN = (f"the same of the sleepers {where}, mm/m" for where in (
     "in the transition", "on plain track"))
-SETTLEMENT = "settlement of sleepers into the bed, mean, mm"
+SETTLEMENT = "settlement of sleepers into the bed, relative to the ground, mean, mm"
 SENTENCES = {
     f"Without the wedge, 90 % of this increase is reached {N} m behind the structure, with the "
     f"wedge {N} m behind it": ((REACHED, 1), (REACHED, 0)),
@@ -30,7 +30,8 @@ SENTENCES = {
         ((STEEPEST, 1), (BEHIND, 1), (STEEPEST, 0), (BEHIND, 0)),
     f"changes between neighbouring sleepers of plain track, up to {N} mm/m": ((SCATTER, max),),
     f"their steepest change is {N} mm/m without the wedge and {N} mm/m with it, on plain track up "
-    f"to {N} mm/m": ((SLEEPERS, 1), (SLEEPERS, 0), (SLEEPERS_PLAIN, max)),
+    f"to {N} mm/m":
+        ((SLEEPERS, 1), (SLEEPERS, 0), (SLEEPERS_PLAIN, max)),
     f"settle by {N} mm in the mean with the wedge and by {N} mm without":
         ((SETTLEMENT, 0), (SETTLEMENT, 1)),
     f"the largest there is {N} kN with the wedge and {N} kN without, on plain track {N} and {N} "
