@@ -11,7 +11,7 @@ import numpy as np
 from trackbed_post import (bed_figures, bed_histories, bed_warnings, figure_csv, frequencies,
                            ground_blocks, ground_transition, judgement, measures, passage_warnings,
                            read, shades, signals, sleeper_histories, stage_histories, support,
-                           support_figure, write)
+                           support_figure, write, zones)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 from trackbed_post.panels import UP, legend_below, mark_ends, wrapped
 
@@ -339,15 +339,17 @@ def draw_all(runs, folder, ends=True):
         folder.picture(name, figure)
     unsound = bed_warnings.why_no_verdict((run.name, run) for run in runs)
     text = ground_transition.table(runs, unsound) + "".join(map(measures.region_table, runs))
-    supported = [run for run in runs if len(run.sleepers_x) and run.sleeper
+    supported = [(run, changing) for run, changing in zip(runs, zones.changing_of_each(runs))
+                 if len(run.sleepers_x) and run.sleeper
                  and (run.has_passage() or not run.asks_for_passage())]
     if supported:
-        text += "\n" + "".join(support.summary(run) + "\n" for run in supported)
-        text += "".join(f"warning: {run.name}: {one}\n" for run in supported
-                        for one in (*bed_warnings.of(run), *passage_warnings.of_bed(run)))
-        folder.file("support.csv", support.table(supported))
+        text += "\n" + "".join(support.summary(run) + "\n" for run, _ in supported)
+        text += "".join(
+            f"warning: {run.name}: {one}\n" for run, changing in supported
+            for one in (*bed_warnings.of(run, changing), *passage_warnings.of_bed(run)))
+        folder.file("support.csv", support.table([run for run, _ in supported]))
     folder.sentences += [*effects(runs, unsound),
-                         *(f"{support.summary(run)}." for run in supported)]
+                         *(f"{support.summary(run)}." for run, _ in supported)]
     text += table_of_peaks(runs)
     text += "".join(f"warning of {run.name}: {line}\n" for run in runs for line in run.warnings)
     folder.table("table.txt", text)

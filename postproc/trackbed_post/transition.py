@@ -266,8 +266,10 @@ def draw_into(results, folder):
     unsound = bed_warnings.why_no_verdict((train.name, train.run) for train in trains)
     sentence = transition_verdict.sentences(trains, changes, unsound)
     folder.sentences.append(sentence)
-    warnings = [f"Warning: {train.name}: {one}." for train in trains
-                for one in (*bed_warnings.of(train.run), *passage_warnings.of_bed(train.run))]
+    lengths = zones.changing_of_each([train.run for train in trains])
+    warnings = [f"Warning: {train.name}: {one}." for train, changing in zip(trains, lengths)
+                for one in (*bed_warnings.of(train.run, changing),
+                            *passage_warnings.of_bed(train.run))]
     if warnings:
         sentence = "\n".join([sentence, *warnings])
     folder.picture("transition", transition_figures.compare(trains, changes, sentence))

@@ -1,0 +1,101 @@
+"""Tests of the warnings of settlement: their limit is not the deck's aim, their remedies act."""
+import copy
+import dataclasses
+
+import numpy as np
+import pytest
+import test_zones
+from trackbed_post import bed_on_ground, bed_warnings, read, write, zones
+
+INNER = range(3, 12)  # sleepers that are not at the ends of the bed
+
+
+def settled(run, by, aim=0.2e-3, reached=None, sleepers=INNER, load=100e3):
+    """The run with a rail of test_zones.py, whose sleepers settle in the passage by so much, m; the
+    stage of load before it has this aim, m, and a passage follows it."""
+    run = test_zones.with_rail(run)
+    deck = copy.deepcopy(run.deck)
+    stage = deck["stage"][3]
+    stage.update(kind="load", load=load, settlement=aim)
+    deck["stage"].insert(4, {"name": "first_train", "kind": "passage", "train": True})
+    height = np.zeros((len(run.time), len(run.sleepers_x)))
+    height[-1, list(sleepers)] = -by
+    reaction = np.full(height.shape, 5e3)
+    reaction[-60:] = 30e3
+    return dataclasses.replace(
+        run, deck=deck, stage=np.where(run.stage == 4, 5, run.stage), ground={},
+        aim_reached={} if reached is None else {"load": reached}, sleeper={
+            **run.sleeper, "displacement": read.Quantity(height, "m", "-"),
+            "reaction": read.Quantity(reaction, "N", "-")})
+
+
+def of_settling(run, **more):
+    return [one for one in bed_warnings.of(run, **more) if "settle into the bed" in one]
+
+
+@pytest.mark.parametrize("by, warned", [(0.098e-3, 0), (0.102e-3, 1)])
+@pytest.mark.parametrize("aim", [1e-6, 0.2e-3, 5e-3, 0.0])
+def test_the_limit_does_not_follow_the_aim_of_the_deck(runs, by, aim, warned):
+    run = settled(runs[1], by, aim)
+    assert len(of_settling(run)) == warned
+    causes = [one.cause for one in bed_warnings.warnings_of(run)]
+    assert ("the bed is not bedded in" in causes) == bool(warned)
+
+
+@pytest.mark.parametrize("aim, reached, words, absent", [
+    (0.2e-3, True, "a larger load, or a smaller settlement than 0.2 mm, with which it ended before "
+     "all of its cycles; or add a passage", "more cycles"),
+    (0.2e-3, False, "a larger load, or more cycles and a longer duration", "smaller"),
+    (0.0, None, "a larger load, or more cycles and a longer duration", "smaller"),
+    (0.2e-3, None, "a larger load, or a smaller settlement than 0.2 mm, if it ended with "
+     "this, or more cycles", "--")])
+def test_remedies_act_and_name_the_stage_of_load(runs, aim, reached, words, absent):
+    one, = of_settling(settled(runs[1], 0.3e-3, aim, reached))
+    assert f"give stage load {words}" in one and absent not in one
+    assert "first_train" not in one and "the stage before" not in one
+
+
+def test_a_run_without_a_stage_of_load_is_told_to_add_one(runs):
+    run = settled(runs[1], 0.3e-3)
+    run.deck["stage"][3]["kind"] = "run"
+    assert "add a stage of kind load with cycles before the passage" in of_settling(run)[0]
+
+
+def test_the_warning_counts_sleepers_in_each_part(runs, tmp_path):
+    """2.1 to 3.3 m are on the structure, 3.9 to 5.7 m in the transition, 6.3 and 6.9 m beyond."""
+    run = settled(runs[1], 0.3e-3, sleepers=(4, 6, 7, 8, 11))
+    one, = of_settling(run)
+    assert one.startswith("5 of 9 sleepers settle into the bed by more than 0.1 mm in the passage, "
+                          "most by 0.3 mm at x = 2.70 m: 1 of 3 on the structure, 3 of 4 in the "
+                          "transition, 1 of 2 on plain track: the bed is not bedded in; ")
+    longer, = of_settling(run, changing=0.1)  # of the parts of a comparison
+    assert "3 of 3 in the transition, 1 of 3 on plain track" in longer
+    made = write.Folder(tmp_path)
+    bed_on_ground.draw_all([run], made)
+    assert one in made.tables[0]
+    bed_on_ground.plt.close("all")
+    bare = dataclasses.replace(run, deck={**run.deck, "ground": {}})
+    assert "on the structure" not in of_settling(bare)[0]
+    assert zones.changing([run]) > 0.1
+
+
+def test_the_end_of_a_stage_is_read_from_the_summary(tmp_path):
+    import made
+    folder = made.write(tmp_path / "run")
+    assert read.results(folder).aim_reached == {}
+    (folder / "summary.json").write_text(
+        '{"warnings": ["a"], "stages": [{"name": "fill"}, {"name": "load", "aim_reached": true}]}')
+    run = read.results(folder)
+    assert run.aim_reached == {"load": True} and run.warnings == ("a",)
+
+
+def test_hanging_sleepers_have_the_same_remedies(runs):
+    run = settled(runs[1], 0.0, reached=True)
+    way = np.zeros((len(run.time), len(run.sleepers_x)))
+    way[-300:-100] = 2e-3 * np.sin(np.linspace(0, np.pi, 200))[:, None]
+    reaction = 2e3 + 30e6 * way
+    reaction[:, 5] = 40e6 * np.maximum(way[:, 5] - 0.5e-3, 0)
+    one, = bed_warnings.of(dataclasses.replace(run, sleeper={
+        **run.sleeper, "displacement": read.Quantity(-way, "m", "-"),
+        "reaction": read.Quantity(reaction, "N", "-")}))
+    assert "1 of 15 sleepers hang" in one and "give stage load a larger load, or" in one
