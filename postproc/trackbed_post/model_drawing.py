@@ -175,13 +175,6 @@ class Scene:
     def _box(self, x, z, width, height, **style):
         self.panel.add_patch(matplotlib.patches.Rectangle((x, z), width, height, **style))
 
-    def show_direction(self):
-        """An arrow in the upper left corner, visible also without a vehicle: trains run towards
-        larger x."""
-        self.panel.text(0.01, 0.96, DIRECTION, fontsize=11, va="top",
-                        transform=self.panel.transAxes, zorder=10,
-                        bbox={"facecolor": "white", "alpha": 0.75, "lw": 0, "pad": 1})
-
     def set_chains(self, chains, largest):
         """Red lines whose width is proportional to the force."""
         if self.chains is None:
@@ -199,9 +192,6 @@ class Scene:
                 [f"contact force, width proportional; this line: "
                  f"{kilonewtons:.{0 if kilonewtons >= 10 else 2}f} kN in a model "
                  f"{self.run.deck.get('thickness', 1):g} m thick"])
-
-    def explain_chains(self, largest):
-        self.panel.legend(*self.key_of_chains(largest), loc="upper right", fontsize=9)
 
     def set_train(self, axles):
         """Wheels at these x (nan: not on the track), and a sketch of bogies and bodies if all

@@ -11,7 +11,8 @@ import dataclasses
 import numpy as np
 
 from trackbed_post import (bed_warnings, ground_blocks, judgement, measures, passage_warnings, read,
-                           train_figures, transition_figures, transition_verdict, write, zones)
+                           train_figures, transition_caption, transition_figures,
+                           transition_verdict, write, zones)
 from trackbed_post.ground_blocks import ENDS
 from trackbed_post.zones import REACHED, Zone, zone_of
 
@@ -270,9 +271,10 @@ def draw_into(results, folder):
     warnings = [f"Warning: {train.name}: {one}." for train, changing in zip(trains, lengths)
                 for one in (*bed_warnings.of(train.run, changing),
                             *passage_warnings.of_bed(train.run))]
+    caption = transition_caption.of(trains, changes, unsound, bool(warnings))
     if warnings:
         sentence = "\n".join([sentence, *warnings])
-    folder.picture("transition", transition_figures.compare(trains, changes, sentence))
+    folder.picture("transition", transition_figures.compare(trains, changes, caption))
     folder.picture("model", transition_figures.draw_model(trains[0], results[0]),
                    write.origin_of(results[:1]))
     for name, text in curves(trains).items():

@@ -15,6 +15,7 @@ STYLES = tuple({"color": colour, "ls": line}
                for colour, line in zip(("#0b559f", "#d95f02"), panels.LINES))
 WRAP = 118           # characters of a line below transition.png
 NEAR = 2.0           # m, shown around a transition
+BETWEEN = 2.68       # inches, of the texts between both panels of the model above its lower edge
 
 
 def mark_judged(panel, trains, changes):
@@ -41,16 +42,16 @@ def mark_places(force, level, trains, changes):
 def bracket_zones(panel, train, zone):
     """Brackets at the lower edge from the first to the last of the sleepers that are judged
     together; neighbouring parts share a sleeper."""
-    panel.margins(y=0.16)
+    panel.margins(y=0.18)
     across = panel.get_xaxis_transform()
     apart = measures.spacing(train.run) / 10
-    for words, part in (("on the structure", zone.structure), ("transition", zone.transition),
+    for words, part in (("structure", zone.structure), ("transition", zone.transition),
                         ("plain track", zone.plain)):
         x = train.run.sleepers_x[part]
         low, high = x.min() + apart, x.max() - apart
         panel.plot([low, low, high, high], [0.06, 0.03, 0.03, 0.06], color="0.2", lw=1.2,
                    transform=across)
-        panel.text((low + high) / 2, 0.045, words, transform=across, fontsize=8, ha="center",
+        panel.text((low + high) / 2, 0.07, words, transform=across, fontsize=8, ha="center",
                    va="bottom")
 
 
@@ -137,41 +138,56 @@ def span_of_interest(run):
     return min(ends), max(ends)
 
 
+def instant_shown(train, row, forces):
+    """Which instant a picture of the model shows, and that stones and sleepers are later ones."""
+    chosen = "when the largest contact force around the transition is greatest" if forces else \
+        "when a wheel force is largest"
+    return (f"Vehicle{' and contact forces' if forces else ''} at {train.passing.time[row]:.3f} s, "
+            f"{chosen}; stones and sleepers at the end of the run, {train.run.time[-1]:.3f} s")
+
+
+def show_forces(figure, scenes, forces, span):
+    """(row of the passage, place, m) of the instant with the largest contact force in the span,
+    whose forces the scenes then show; explained between both panels: above the bed it would hide
+    the train, in the ground names of layers."""
+    chains, row = max(forces, key=lambda each: largest_contact(each[0], span)[0])
+    largest = chains.force.max(initial=0)
+    for scene in scenes:
+        scene.set_chains(chains, largest)
+    figure.legend(*scenes[0].key_of_chains(largest), loc="center", frameon=False,
+                  bbox_to_anchor=(0.5, BETWEEN / figure.get_figheight()), fontsize=9)
+    return row, largest_contact(chains, span)[1]
+
+
 def draw_model(train, folder):
     """The model at the instant of the field files when the largest contact force around the
     transition is greatest, and the bed there enlarged."""
     shape = model_drawing.shape_of(train.run, model_drawing.CUT)
-    figure = plt.figure(figsize=(13, 12.2 * shape + 3.25))
+    figure = plt.figure(figsize=(13, 12.2 * shape + 3.75))
     size = np.array([figure.get_figwidth(), figure.get_figheight()] * 2)
-    panel = figure.add_axes(np.array([0.6, 2.9, 12.2, 12.2 * shape]) / size)
+    panel = figure.add_axes(np.array([0.6, 3.2, 12.2, 12.2 * shape]) / size)
     close = figure.add_axes(np.array([0.6, 0.6, 12.2, 1.7]) / size)
-    scenes = [model_drawing.Scene(panel, train.run, model_drawing.CUT),
-              model_drawing.Scene(close, train.run, model_drawing.CUT)]
+    scenes = [model_drawing.Scene(each, train.run, model_drawing.CUT) for each in (panel, close)]
     forces = [(model_drawing.contacts(file), row) for row, _, file in instants(train, folder)]
     if forces:
-        span = span_of_interest(train.run)
-        chains, row = max(forces, key=lambda each: largest_contact(each[0], span)[0])
-        largest = chains.force.max(initial=0)
-        for scene in scenes:
-            scene.set_chains(chains, largest)
-        scenes[0].explain_chains(largest)
-        middle = largest_contact(chains, span)[1]
+        row, middle = show_forces(figure, scenes, forces, span_of_interest(train.run))
     else:
         on_bed = np.where(train.passing.on_bed()[..., None], train.passing.force, np.nan)
         row = int(np.nanargmax(np.nanmax(on_bed, axis=(1, 2), initial=-1)))
         middle = float(np.mean(train.run.sleepers_x))
-        panel.text(0.99, 0.97, "no contact forces: no field files within the passage", ha="right",
-                   va="top", transform=panel.transAxes, fontsize=9, zorder=10)
-    scenes[0].show_direction()
+        figure.text(0.5, BETWEEN / size[1], "no contact forces: no field files within the passage",
+                    ha="center", va="center", fontsize=9)
+    figure.text(0.6 / size[0], BETWEEN / size[1], model_drawing.DIRECTION, fontsize=11,
+                va="center")
     for scene in scenes:
         scene.set_train(train.passing.x[row])
     low, high = model_drawing.close_up(train.run)
     close.set_ylim(low, high)
     half = 0.5 * (high - low) * 12.2 / 1.7
     close.set_xlim(middle - half, middle + half)
-    close.set_xlabel("x along the track, m")
     panel.set_xlabel("")
-    panel.set_title(model_drawing.heading(train.run), fontsize=11)
+    panel.set_title(f"{model_drawing.heading(train.run)}\n"
+                    f"{instant_shown(train, row, bool(forces))}", fontsize=10)
     panel.indicate_inset((middle - half, low, 2 * half, high - low), edgecolor="k", lw=1)
     return figure
 

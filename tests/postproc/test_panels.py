@@ -80,14 +80,6 @@ def test_displacements_on_axes_are_up_positive(runs, monkeypatch):
     plt.close("all")
 
 
-def test_the_direction_of_travel_is_shown_without_a_vehicle():
-    scene = model_drawing.Scene.__new__(model_drawing.Scene)
-    figure, scene.panel = plt.subplots()
-    scene.show_direction()
-    assert [text.get_text() for text in scene.panel.texts] == [model_drawing.DIRECTION]
-    plt.close(figure)
-
-
 def test_marks_and_brackets_are_no_data_of_a_figure(monkeypatch):
     figure = drawn_transition(monkeypatch)
     panel = figure.axes[1]

@@ -94,8 +94,7 @@ def test_sleepers_of_each_part_are_in_brackets():
     figure, (force, level) = plt.subplots(2)
     transition_figures.bracket_zones(level, pair[0], changes[0].zone)
     transition_figures.mark_places(force, level, pair, changes)
-    assert [text.get_text() for text in level.texts] == ["on the structure", "transition",
-                                                         "plain track"]
+    assert [text.get_text() for text in level.texts] == ["structure", "transition", "plain track"]
     assert level.lines[2].get_xdata()[[0, -1]] == pytest.approx([10.2 + 0.06, 16.2 - 0.06])
     assert level.lines[4].get_xdata() == pytest.approx([4.8, 5.4])
     plt.close(figure)

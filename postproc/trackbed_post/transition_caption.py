@@ -1,0 +1,72 @@
+"""The text below transition.png: at most five short sentences on levels, steepest change, wheel
+forces and limits. transition.txt has the whole verdict with all places and differences, and the
+warnings. Of `trains` and `changes` as in transition_verdict.py."""
+from __future__ import annotations
+
+import typing
+
+from trackbed_post import transition_verdict
+from trackbed_post.judgement import Difference, shown
+from trackbed_post.zones import REACHED
+
+if typing.TYPE_CHECKING:
+    from trackbed_post.transition import Change, Train
+
+
+def short(found: Difference, unsound: str) -> str:
+    """A verdict without its reasons, which transition.txt states."""
+    return "" if unsound else ": " + found.words(True).partition(" (")[0]
+
+
+def of_one(change: Change) -> list[str]:
+    """Levels, steepest change and wheel force of a run."""
+    return [
+        f"{REACHED:.0%} of the change of the rail's lowest level from structure to plain track is "
+        f"reached {change.width:.2g} m behind the structure.",
+        f"Steepest change in the transition: {1e3 * change.steepest:.2g} mm/m "
+        f"{transition_verdict.place(change.steepest_x, change.steepest_behind)}.",
+        f"Largest wheel force there: {shown(1e-3 * change.force)} kN, on plain track "
+        f"{shown(1e-3 * change.force_plain)} kN."]
+
+
+def of_two(trains: list[Train], changes: list[Change], unsound: str) -> list[str]:
+    """The same of two runs, with what is judged of the first one beside the second."""
+    now, other = changes
+    differ = transition_verdict.differences(trains, changes)
+    first, second = (train.name.capitalize() for train in trains)
+    forces = transition_verdict.cause_of_forces(trains, changes).partition(" than ")[0]
+    larger = "clearly larger" if "not clearly" not in forces else "not clearly larger"
+    force = "" if unsound else f"{short(differ['force'], unsound)}, and {larger} than"
+    return [
+        f"{first}, {REACHED:.0%} of the change of the rail's lowest level from structure to plain "
+        f"track is reached {now.width:.2g} m behind the structure, {trains[1].name} "
+        f"{other.width:.2g} m{short(differ['width'], unsound)}.",
+        f"Steepest change in the transition: {1e3 * now.steepest:.2g} mm/m at x = "
+        f"{now.steepest_x:.2f} m, {second.lower()} {1e3 * other.steepest:.2g} mm/m at x = "
+        f"{other.steepest_x:.2f} m{short(differ['steepest'], unsound)}.",
+        f"Largest wheel force there: {shown(1e-3 * now.force)} and {shown(1e-3 * other.force)} kN"
+        f"{force or ', beside'} those on plain track, {shown(1e-3 * now.force_plain)} and "
+        f"{shown(1e-3 * other.force_plain)} kN."]
+
+
+def limits(changes: list[Change]) -> str:
+    """What the numbers are to be compared with, and what they depend on."""
+    scatter = 1e3 * max(change.scatter for change in changes)
+    shared = "; the parts of the track follow from both runs, so that a run has other numbers " \
+        "beside another one" if len(changes) > 1 else ""
+    return (f"Limits: the scatter of neighbouring sleepers on plain track is {scatter:.2g} mm/m; "
+            f"one packing of stones was computed{shared}.")
+
+
+def of(trains: list[Train], changes: list[Change] | None, unsound: str, warned: bool) -> str:
+    """The text; `unsound`: why these beds have no verdict, `warned`: whether transition.txt has
+    warnings."""
+    why = transition_verdict.why_no_verdict(trains, changes)
+    lines = [f"No verdict: {why or unsound}."] if why or unsound else []
+    if changes is not None:
+        lines += of_two(trains, changes, why or unsound) if len(changes) == 2 else \
+            of_one(changes[0])
+        lines.append(limits(changes))
+    if warned:
+        lines[0] = f"{lines[0][:-1]}; warnings are in transition.txt."
+    return " ".join(lines)

@@ -1,0 +1,116 @@
+"""Tests of the texts of transition.png and model.png: short, complete, and beside what they are
+about."""
+import re
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import test_film
+import test_transition
+from trackbed_post import (model_drawing, transition, transition_caption, transition_figures,
+                           write)
+
+
+def pair():
+    trains = transition.named([test_transition.train(7.8),
+                               test_transition.train(5.4, wedge_present=False)])
+    return trains, transition.changes_of(trains)
+
+
+def sentences(text):
+    return re.split(r"(?<=\.) (?=[A-Z0-9])", text)
+
+
+def test_the_caption_has_levels_steepest_change_force_and_limits_in_this_order():
+    levels, steepest, force, limits = sentences(transition_caption.of(*pair(), "", False))
+    assert levels == (
+        "With wedge, 90% of the change of the rail's lowest level from structure to plain track is "
+        "reached 2.7 m behind the structure, without wedge 0.54 m: as expected of a wedge.")
+    assert steepest == ("Steepest change in the transition: 0.2 mm/m at x = 6.30 m, without wedge "
+                        "1 mm/m at x = 5.10 m: as expected of a wedge.")
+    assert force == ("Largest wheel force there: 60.0 and 60.0 kN: no clear effect, and not "
+                     "clearly larger than those on plain track, 60.0 and 60.0 kN.")
+    assert limits.startswith("Limits: the scatter of neighbouring sleepers on plain track is ")
+    assert "one packing of stones was computed" in limits
+    assert "follow from both runs, so that a run has other numbers beside another one" in limits
+
+
+def test_a_force_that_is_larger_than_elsewhere_is_called_so():
+    trains, _ = pair()
+    trains[1].passing.force[np.abs(trains[1].passing.x - 6.9) < 0.05] = 80e3
+    text = transition_caption.of(trains, transition.changes_of(trains), "", False)
+    assert "and clearly larger than those on plain track" in text
+
+
+def test_the_caption_states_why_there_is_no_verdict_and_the_numbers():
+    text = transition_caption.of(*pair(), "1 of 31 sleepers hang (run with wedge)", True)
+    first, *rest = sentences(text)
+    assert first == ("No verdict: 1 of 31 sleepers hang (run with wedge); warnings are in "
+                     "transition.txt.")
+    assert len(rest) == 4 and "expected" not in text and "clear" not in text
+    one = [test_transition.train(7.8)]
+    text = transition_caption.of(one, transition.changes_of(one), "", False)
+    assert len(sentences(text)) == 5 and text.startswith("No verdict: give a second run")
+    assert "both runs" not in text
+    assert transition_caption.of(one, None, "", False).count(".") == 1
+
+
+def test_the_file_has_the_whole_verdict_and_the_figure_the_short_one(tmp_path, monkeypatch):
+    shown = []
+    trains, changes = pair()
+    monkeypatch.setattr(transition, "train_of", lambda path: trains[path])
+    monkeypatch.setattr(transition.bed_warnings, "warnings_of", lambda *_: [])
+    monkeypatch.setattr(transition.passage_warnings, "of_bed", lambda run: ["pads pull"])
+    monkeypatch.setattr(transition_figures, "draw_model", lambda *_: plt.figure())
+    monkeypatch.setattr(transition_figures, "compare", lambda *rest: shown.append(rest[-1]) or
+                        plt.figure())
+    monkeypatch.setattr(write, "origin_of", lambda paths: "made")
+    folder = write.Folder(tmp_path)
+    transition.draw_into([0, 1], folder)
+    assert sentences(shown[0])[0].endswith("; warnings are in transition.txt.")
+    assert "pads pull" not in shown[0] and folder.tables[0].count("pads pull") == 2
+    assert "is larger than one sleeper spacing" in " ".join(folder.tables[0].split())
+    assert changes is not None
+    plt.close("all")
+
+
+def test_names_of_parts_do_not_cover_their_brackets(monkeypatch):
+    monkeypatch.setattr(model_drawing, "heading", lambda run: "made")
+    trains, changes = pair()
+    figure = transition_figures.compare(trains, changes, "A verdict.")
+    figure.canvas.draw()
+    panel = figure.axes[1]
+    brackets = [line for line in panel.lines if line.get_transform() != panel.transData
+                and len(line.get_xdata()) == 4]
+    names = [text for text in panel.texts if text.get_position()[1] < 0.1]
+    assert len(names) == len(brackets) == 3
+    for bracket, name in zip(brackets, names):
+        line, text = bracket.get_window_extent(), name.get_window_extent()
+        assert text.y0 >= line.y1 and line.x0 <= text.x0 and text.x1 <= line.x1
+    assert panel.texts[-1].get_text() == "wedge\n(with wedge)"
+    plt.close(figure)
+
+
+@pytest.mark.parametrize("with_files", [True, False])
+def test_the_model_states_its_instant_and_hides_no_vehicle(tmp_path, with_files):
+    train = test_film.train_at()
+    run = train.run
+    run.time, run.ground_x = train.passing.time, np.empty(0)
+    train.passing.force = np.full((*train.passing.x.shape, 1), 50e3)
+    train.passing.on_bed = lambda: (train.passing.x > 0.6) & (train.passing.x < 18)
+    folder = test_film.written(tmp_path) if with_files else tmp_path
+    figure = transition_figures.draw_model(train, folder)
+    figure.canvas.draw()
+    panel = figure.axes[0]
+    chosen = next(time for time in test_film.TIMES[::-1]
+                  if 40 * (time - 2.5) - 2.5 < 18.6 + model_drawing.BEYOND)
+    words = panel.get_title()
+    assert f"stones and sleepers at the end of the run, {run.time[-1]:.3f} s" in words
+    assert ("Vehicle and contact forces at " in words) == with_files
+    assert not with_files or f"at {chosen:.3f} s, when the largest contact force" in words
+    assert len(figure.legends) == int(with_files) and panel.get_legend() is None
+    direction, = [text for text in figure.texts if text.get_text() == model_drawing.DIRECTION]
+    for one in (*figure.legends, direction):
+        for each in figure.axes:
+            assert not one.get_window_extent().overlaps(each.get_tightbbox())
+    plt.close(figure)
