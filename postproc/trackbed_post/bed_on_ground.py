@@ -53,7 +53,7 @@ def envelope(runs):
                        label=f"sleepers, {run.name}")
             mark_ends(upper, run.sleepers_x, lowest, ground_blocks.ends(run), colour,
                       run is runs[-1])
-        text.append(f"run {run.name}: {-np.min(ground):.3f} mm")
+        text.append(f"run {run.name}: {judgement.shown(-np.min(ground))} mm")
     for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
         mark_blocks(panel, runs[0])
         panel.set_ylabel(f"lowest displacement of\n{what}, {UP}")

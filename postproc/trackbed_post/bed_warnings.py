@@ -58,7 +58,7 @@ def _of_hanging(run: read.Results) -> list[BedWarning]:
     return [BedWarning(cause, (
         f"{cause} in the {run.passage_name()} (gap above {1e3 * support.HANGS:g} mm, at x = "
         f"{places} m): levels and forces near them are those of a track with voids; "
-        f"{_remedies(run)}"))]
+        f"{remedies(run)}"))]
 
 
 def _loads_before(run: read.Results) -> list[read.Deck]:
@@ -67,7 +67,7 @@ def _loads_before(run: read.Results) -> list[read.Deck]:
     return [stage for stage in before if stage["kind"] == "load"]
 
 
-def _remedies(run: read.Results) -> str:
+def remedies(run: read.Results) -> str:
     """What beds sleepers in further. A stage that has reached its aim ends early, so that more
     cycles would change nothing; whether it has is not known while the run goes on."""
     stages = _loads_before(run)
@@ -109,7 +109,7 @@ def _of_settling(run: read.Results, changing: float | None) -> list[BedWarning]:
         f"{np.count_nonzero(settles)} of {np.count_nonzero(inner)} sleepers settle into the bed by "
         f"more than {1e3 * SETTLES:g} mm in the {run.passage_name()}, most by "
         f"{1e3 * kept[worst]:.2g} mm at x = {run.sleepers_x[worst]:.2f} m"
-        f"{_in_parts(run, settles, changing)}: the bed is not bedded in; {_remedies(run)}"))]
+        f"{_in_parts(run, settles, changing)}: the bed is not bedded in; {remedies(run)}"))]
 
 
 def _of_load(run: read.Results) -> list[BedWarning]:

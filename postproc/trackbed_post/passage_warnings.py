@@ -4,7 +4,7 @@ import typing
 
 import numpy as np
 
-from trackbed_post import axles, ground_blocks, read
+from trackbed_post import axles, bed_warnings, ground_blocks, read
 
 # A rail on equal springs lifts by exp(-pi) = 4 % of its largest deflection ahead of a wheel, and
 # between two wheels by up to twice as much; pads that pull more have another cause.
@@ -119,8 +119,8 @@ def _of_pads_on_bed(run: read.Results) -> list[str]:
     if not known.any() or load.shape[1] != len(x):
         return []
     load = load[known][:, inner]
-    return _of_pads(x[inner], load.min(axis=0), load.max(axis=0), "bed these sleepers in by more "
-                    "cycles of load before the passage, or check irregularity and speed")
+    return _of_pads(x[inner], load.min(axis=0), load.max(axis=0),
+                    f"{bed_warnings.remedies(run)}; or check irregularity and speed")
 
 
 def _of_pads_of_track(every: read.Quantities, deck: read.Deck) -> list[str]:

@@ -6,8 +6,8 @@ import textwrap
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (film_files, ground_blocks, measures, model_drawing, panels, read, shades,
-                           write)
+from trackbed_post import (film_files, ground_blocks, judgement, measures, model_drawing, panels,
+                           read, shades, write)
 from trackbed_post.zones import REACHED
 
 # Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
@@ -81,7 +81,7 @@ def compare(trains, changes, sentence):
         settled.plot(x, -1e3 * train.settlement(), lw=1.2, marker="s", ms=3, label=train.name,
                      **style)
     mean = 1e-3 * trains[0].mean_force()
-    force.axhline(mean, color="0.3", lw=0.8, label=f"mean over the bed, {mean:.1f}")
+    force.axhline(mean, color="0.3", lw=0.8, label=f"mean over the bed, {judgement.shown(mean)}")
     if changes:
         mark_judged(level, trains, changes)
         mark_places(force, level, trains, changes)

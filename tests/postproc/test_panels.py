@@ -69,7 +69,7 @@ def test_displacements_on_axes_are_up_positive(runs, monkeypatch):
         ends = ["end of the bed (hollow)"] * (panel is upper)
         assert [text.get_text() for text in panel.get_legend().texts] == [
             *(f"{what}, {run.name}" for run in runs), *ends]
-    assert "run wedge: 1.998 mm; run no" in upper.get_title()
+    assert "run wedge: 2.00 mm; run no" in upper.get_title()
     moved = stage_histories.stages(runs).axes[0]
     sensor = bed_histories.sensors(runs).axes[0]
     _, down, left = train_figures.draw(train_figures.Passing(*test_train.made()), []).axes
