@@ -52,8 +52,8 @@ def of_two(trains: list[Train], changes: list[Change], unsound: str) -> list[str
 def limits(changes: list[Change]) -> str:
     """What the numbers are to be compared with, and what they depend on."""
     scatter = 1e3 * max(change.scatter for change in changes)
-    shared = "; the parts of the track follow from both runs, so that a run has other numbers " \
-        "beside another one" if len(changes) > 1 else ""
+    shared = "; structure, transition and plain track are the same places in both runs" \
+        if len(changes) > 1 else ""
     return (f"Limits: the scatter of neighbouring sleepers on plain track is {scatter:.2g} mm/m; "
             f"one packing of stones was computed{shared}.")
 

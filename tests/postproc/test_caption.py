@@ -32,7 +32,7 @@ def test_the_caption_has_levels_steepest_change_force_and_limits_in_this_order()
                      "clearly larger than those on plain track, 60.0 and 60.0 kN.")
     assert limits.startswith("Limits: the scatter of neighbouring sleepers on plain track is ")
     assert "one packing of stones was computed" in limits
-    assert "follow from both runs, so that a run has other numbers beside another one" in limits
+    assert "structure, transition and plain track are the same places in both runs" in limits
 
 
 def test_a_force_that_is_larger_than_elsewhere_is_called_so():
