@@ -3,8 +3,6 @@
 // depends on the ranks; what all ranks know is written by the root.
 #include "trackbed/io/fields.hpp"
 
-#include <algorithm>
-
 #include "observe/field_series.hpp"
 #include "trackbed/track/rail.hpp"
 
@@ -155,9 +153,7 @@ io::Grid surface_triangles(const Scene& scene) {
 // The model's rail is even whatever the heights of the sleepers: it is drawn on the highest, as if
 // the seats of the others were packed up.
 io::Grid train_over_bed(const TrainView& train) {
-  const std::vector<double>& levels = train.running.levels_without_load();
-  const double level = train.sleeper_top + *std::max_element(levels.begin(), levels.end()) +
-                       track::drawn_rail_height;
+  const double level = train.sleeper_top + train.running.highest_seat() + track::drawn_rail_height;
   return rails_and_wheels(train.running.passage(), train.running.train(),
                           {.origin = train.running.origin(),
                            .wheel_radius = train.wheel_radius,

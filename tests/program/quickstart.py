@@ -59,17 +59,28 @@ def check_ends(made):
     """The loose bed does not match the springs beside it: a warning at each end states the lowest
     displacements of the rail in the last stage."""
     warnings = [text for text in summary(made)["warnings"] if "does not match the bed" in text]
-    lowest = 1e3 * checkpoint(made)["run/rail_ends/lowest"].reshape(4, 3)
-    rail = 1e3 * histories(made)["rail/displacement"]
-    rows = np.nanmin(rail[:, [0, 1, 2, -3, -2, -1]], axis=0)
+    state = checkpoint(made)
+    lowest, before = (1e3 * state[f"run/rail_ends/{name}"].reshape(4, 3)
+                      for name in ("lowest", "before"))
+    found = histories(made)
+    rail = 1e3 * found["rail/displacement"][:, [0, 1, 2, -3, -2, -1]]
+    rows = np.nanmin(rail, axis=0)
     bed = lowest[[0, 2]].ravel()  # of all windows, and so at most that of the rows
+    # The first axle is 3 m before the third sleeper on springs, at x = -1.2 m of the bed.
+    coming = np.flatnonzero(found["wheel/x"].max(axis=1) < -1.2 - 3)[-1]
+    if not np.allclose(before[[0, 2]].ravel(), rail[coming], atol=0.5):
+        raise SystemExit(f"the rail before the train: {before}, rows {rail[coming]} mm")
     if not (bed <= rows + 1e-9).all() or not np.allclose(bed, rows, rtol=0.02):
         raise SystemExit(f"lowest displacements of the rail {bed}, of the rows {rows} mm")
     for end, where in enumerate(("start", "end")):
-        stones, springs = -lowest[2 * end:2 * end + 2].mean(axis=1)
+        stones, springs = (before - lowest)[2 * end:2 * end + 2].mean(axis=1)
+        # Pads of 120 MN/m and ballast of 60 times the factor of the zone.
+        pad, ballast = 120e6, 60e6 * (1.9, 0.42)[end]
+        whole = (springs / stones)**(4 / 3) / (1 / pad + 1 / ballast)
+        factor = 1 / (1 / whole - 1 / pad) / ballast
         text, = (each for each in warnings if f"at the {where} of the bed" in each)
         stated = [f"{stones:.2g} mm above the", f"{springs:.2g} mm above the",
-                f"about {(springs / stones)**(4 / 3):.2g} times"]
+                f"about {factor:.2g} times as stiff"]
         if not all(words in text for words in stated):
             raise SystemExit(f"{stones} mm on stones and {springs} mm on springs: {text}")
 
@@ -95,6 +106,10 @@ def check_rail(made):
         levels.append(z - moved)
     if len(levels) < 3 or np.ptp(levels, axis=0).max() > 1e-6:
         raise SystemExit(f"the unloaded rail moves: {levels}")
+    # Placed with their top at 0.52 m; drawn 0.172 m high on the highest seat.
+    wanted = 0.52 + checkpoint(made)["run/rail/levels"].max() + 0.172
+    if not np.allclose(levels, wanted, atol=1e-6):
+        raise SystemExit(f"the unloaded rail is drawn at {levels[0]}, not at {wanted} m")
 
 
 def check_surfaces(made):

@@ -180,7 +180,7 @@ WARNED = {"stage.passage.ground_moves=false":
           f"{TRAIN} train.speed=120": "usual values (1 to 100 m/s)",
           f"{TRAIN} stage.load.load=4e3": "loads each sleeper by 4 kN together with seat_force",
           f"{TRAIN} bed.x=[0,2.4] ground.x=[0,2.4]":
-              "sleepers over 0.3 m before the first and 1.5 m behind the last one",
+              "leaves 1.5 m of the bed (x = 0 to 2.4 m) behind the last sleeper bare",
           f"{TRAIN} stage.load.kind=settle stage.load.cycles=0 stage.load.load=0 "
           "stage.load.settlement=0": "no stage of kind load comes before the first train",
           f"{TRAIN} stage.passage.duration=0.4 train.speed=30":
@@ -188,7 +188,7 @@ WARNED = {"stage.passage.ground_moves=false":
           f"{TRAIN} stage.passage.ground_moves=false stage.load.ground_moves=false":
               "is false in every stage: the ground stays rigid",
           f"{TRAIN} stage.passage.local_damping=0.8": "is large in a stage with a train",
-          "stage.load.cycles=100": "gives cycles of 0.0024 s, in which inertia",
+          "stage.load.cycles=100": "gives cycles of 0.0024 s, in which inertia carries a part",
           'ground.block=[{name="first",outline=[0,0,0.3,0,0.3,-0.3,0,-0.3],young=1e9,poisson=0.2,'
           'density=2400},{name="second",outline=[0,0,0.6,0,0.6,-0.6,0,-0.6],young=1e9,'
           'poisson=0.2,density=2400}]': 'block "first" has no element: later blocks',

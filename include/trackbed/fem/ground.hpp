@@ -190,8 +190,8 @@ struct GroundTotals : GroundEnergies {
   std::vector<double> newton_residuals = {};
 };
 
-// Numbers of the blocks that have no element, since later blocks contain the centres of all that
-// their outlines contain. For a ground of boxes; local, in the time of a visit to each element.
+// Numbers of the blocks that contain centres of elements, all of which later blocks contain, too.
+// For a ground of boxes; local, in the time of a visit to each element.
 std::vector<std::size_t> covered_blocks(const GroundParameters& parameters, Dimension dimension);
 
 // A place in the ground at rest: the element that contains it and its natural coordinates there.

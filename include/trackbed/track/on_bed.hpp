@@ -76,6 +76,8 @@ class TrainOnBed {
   // m, of each seat, at which its pad carries no load: where the sleepers were when the rail was
   // placed, and gaps above them.
   const std::vector<double>& levels_without_load() const;
+  // m, of the highest seat at rest, on which an even rail lies.
+  double highest_seat() const;
   // m, of one seat since the rail was placed, including the contribution of `mobility`.
   double seat_displacement(std::size_t i, std::size_t side) const;
   double origin() const;                // m, x of the bed at the start of the track

@@ -297,19 +297,22 @@ MeshReport look_at_mesh(const GroundParameters& parameters) {
 
 std::vector<std::size_t> covered_blocks(const GroundParameters& parameters, Dimension dimension) {
   const Lattice lattice = make_lattice(parameters, dimension, 1);
-  const std::size_t layers = parameters.layers.size();
-  std::vector<bool> found(parameters.blocks.size(), false);
-  std::size_t left = 0;
-  for (const Block& block : parameters.blocks) left += block.present ? 1 : 0;
-  for (Id element = 0; element < lattice.element_count() && left > 0; ++element) {
-    const int block = block_at(parameters, lattice.centre(element));
-    if (block < 0 || found[static_cast<std::size_t>(block) - layers]) continue;
-    found[static_cast<std::size_t>(block) - layers] = true;
-    --left;
+  const auto count = parameters.blocks.size();
+  std::vector<GroundParameters> alone(count, parameters);  // with one block each
+  for (std::size_t b = 0; b < count; ++b) alone[b].blocks = {parameters.blocks[b]};
+  std::vector<bool> holds(count, false), left(count, false);
+  for (Id element = 0; element < lattice.element_count(); ++element) {
+    const Vec3 centre = lattice.centre(element);
+    const int region = block_at(parameters, centre);
+    if (region < 0) continue;
+    left[static_cast<std::size_t>(region) - parameters.layers.size()] = true;
+    for (std::size_t b = 0; b < count; ++b)
+      holds[b] = holds[b] || left[b] || block_at(alone[b], centre) >= 0;
+    if (std::find(left.begin(), left.end(), false) == left.end()) break;
   }
   std::vector<std::size_t> covered;
-  for (std::size_t b = 0; b < found.size(); ++b)
-    if (parameters.blocks[b].present && !found[b]) covered.push_back(b);
+  for (std::size_t b = 0; b < count; ++b)
+    if (holds[b] && !left[b]) covered.push_back(b);
   return covered;
 }
 

@@ -210,7 +210,7 @@ bool rises(const std::vector<double>& range) { return range.size() != 2 || range
 
 void Elastic::declare(Section& s) {
   auto fixed = s.fixed_by(input::state::moved_ground);
-  // From soft peat to more than steel: values beyond are most often in another unit.
+  // From very soft clay to more than steel: values beyond are most often in another unit.
   s.number("young", young, {.unit = "Pa", .above = 0, .usually_from = 5e5, .usually_to = 3e11},
            "Young's modulus.");
   s.number("poisson", poisson, {.at_least = 0, .at_most = largest_poisson}, "Poisson's ratio.");

@@ -135,10 +135,10 @@ void Stage::declare(input::Section& s) {
     s.rule(key, force == 0 || std::abs(force) >= least,
            fmt::format("is negligible for a rail seat (below {:g} N); is it in N?", least),
            {.severity = input::Severity::warning, .reads = {key}});
-  constexpr double shortest = 0.02;  // s, of a cycle: half a wavelength of a fast train's axles
+  constexpr double shortest = 0.02;  // s, of a cycle: an axle loads a sleeper for longer
   s.rule("cycles", kind != StageKind::load || cycles == 0 || duration >= shortest * cycles,
-         fmt::format("gives cycles of {:.3g} s, in which inertia carries the load (shorter than "
-                     "{:g} s)",
+         fmt::format("gives cycles of {:.3g} s, in which inertia carries a part of the load: give "
+                     "them at least {:g} s by a longer duration or fewer cycles",
                      duration / static_cast<double>(std::max<std::int64_t>(1, cycles)), shortest),
          {.severity = input::Severity::warning, .reads = {"kind", "duration", "cycles"}});
   const bool tamps = kind == StageKind::tamp;

@@ -94,8 +94,9 @@ void declare_arrivals(const Model& model, input::Section& s) {
                "from the start of the track, and the first sleeper of the bed is at {:.4g} m",
                reached, bed),
            {.severity = input::Severity::warning, .reads = {"stage", "train", "seat", "track"}});
-    if (reached < bed) continue;
-    const double last = reached - track::Train(track.train, track.vehicles, 1).axle_distance();
+    const std::optional<track::Train> train = train_of(track);
+    if (reached < bed || !train || track.stop()) continue;  // one that stops never leaves
+    const double last = reached - train->axle_distance();
     const double end = bed + model.sleepers.last() - model.sleepers.first;
     s.rule(fmt::format("stage[{}].duration", i), last >= end,
            fmt::format("ends the stage before the train has left the bed: the last axle reaches "
@@ -156,17 +157,18 @@ void declare_ends(const Model& model, input::Section& s) {
   const std::vector<double>& x = model.bed.x;
   if (!model.has_bed() || x.size() != 2) return;
   // At an end a bed may continue by one and a half spacings, as at that of a row of cells.
-  const auto more = [&](double space) {
-    return std::llround(std::clamp(std::ceil(space / bed.spacing - 1.5 - alike), 0.0, 1e6));
+  const auto bare = [&](double space) { return space > (1.5 + alike) * bed.spacing; };
+  const double before = bed.first - x[0], behind = x[1] - bed.last();
+  const auto words = [&](double space, const char* where) {
+    return fmt::format(
+        "leaves {:.3g} m of the bed (x = {:g} to {:g} m) {} sleeper bare: the rail lies there on "
+        "springs ([ballast]) instead of stones",
+        space, x[0], x[1], where);
   };
-  const long long before = more(bed.first - x[0]), behind = more(x[1] - bed.last());
-  s.rule("sleepers.count", before + behind == 0,
-         fmt::format("leaves the bed (x = {:g} to {:g} m) without sleepers over {:.3g} m before "
-                     "the first and {:.3g} m behind the last one: the rail lies there on springs "
-                     "([ballast]) instead of stones; {} more would cover it",
-                     x[0], x[1], std::max(0.0, bed.first - x[0]), std::max(0.0, x[1] - bed.last()),
-                     before + behind),
-         {.severity = input::Severity::warning, .reads = {"sleepers", "bed", "track", "stage"}});
+  const input::About about{.severity = input::Severity::warning,
+                           .reads = {"sleepers", "bed", "track", "stage"}};
+  s.rule("sleepers.first", !bare(before), words(before, "before the first"), about);
+  s.rule("sleepers.count", !bare(behind), words(behind, "behind the last"), about);
 }
 
 // A rail distributes the load of a wheel over several sleepers; that below it carries a third to
@@ -182,11 +184,14 @@ void declare_bedding_in(const Model& model, input::Section& s) {
   wheel *= model.seat.rails;  // of those that a sleeper of the model carries
   double loaded = 0;          // N
   std::size_t last = 0;
-  for (std::size_t i = 0; i < model.stages.size() && !model.stages[i].train; ++i)
-    if (const Stage& stage = model.stages[i]; stage.kind == StageKind::load) {
-      const double load = stage.load + stage.seat_force;
-      if (load > loaded) loaded = load, last = i;
-    }
+  bool passed = false;  // by axles of constant load, which are as large as wanted
+  for (std::size_t i = 0; i < model.stages.size() && !model.stages[i].train; ++i) {
+    const Stage& stage = model.stages[i];
+    passed = passed || stage.kind == StageKind::passage;
+    const double load = stage.kind == StageKind::load ? stage.load + stage.seat_force : 0;
+    if (load > loaded) loaded = load, last = i;
+  }
+  if (passed) return;
   const bool begins = model.start.empty();
   s.rule("stage", !begins || loaded > 0,
          "no stage of kind load comes before the first train: the bed has carried no load of this "

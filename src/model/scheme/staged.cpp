@@ -201,7 +201,11 @@ std::vector<std::string> StagedScheme::warnings_at_end() {
   std::vector<std::string> warnings = warnings_of_end(world_, present().kind);
   if (const std::string steps = warning_of_steps(model_, run_.course.done); !steps.empty())
     warnings.push_back(steps);
-  for (const std::string& ends : actions_.train().rail_ends().warnings()) warnings.push_back(ends);
+  if (model_.has_train())
+    for (const std::string& ends : actions_.train().rail_ends().warnings(
+             model_.track.line, static_cast<std::size_t>(model_.seat.before),
+             static_cast<std::size_t>(model_.sleepers.count)))
+      warnings.push_back(ends);
   return warnings;
 }
 

@@ -25,6 +25,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "trackbed/core/error.hpp"
@@ -57,13 +58,20 @@ LineParameters on_moved_sleepers(const TrainOnBedParameters& p) {
 
 // m, heights of the seats at which the pads carry no load: above hanging sleepers the rail is laid
 // higher than they lie.
-std::vector<double> without_load(const TrainOnBedParameters& p, std::vector<double> levels) {
-  const TrackParameters& track = p.line.track;
-  const std::size_t sides = levels.size() / p.sleepers;
-  for (std::size_t i = 0; i < levels.size(); ++i)
-    levels[i] +=
-        track.gap(track.sleeper_x(static_cast<std::size_t>(p.seat.before) + i / sides), i % sides);
+std::vector<double> without_load(std::vector<double> levels, const std::vector<double>& gaps) {
+  for (std::size_t i = 0; i < levels.size(); ++i) levels[i] += gaps[i];
   return levels;
+}
+
+// m, of each seat.
+std::vector<double> gaps_of(const TrainOnBedParameters& p, std::size_t seats) {
+  const TrackParameters& track = p.line.track;
+  const std::size_t sides = seats / p.sleepers;
+  std::vector<double> gaps;
+  for (std::size_t i = 0; i < seats; ++i)
+    gaps.push_back(
+        track.gap(track.sleeper_x(static_cast<std::size_t>(p.seat.before) + i / sides), i % sides));
+  return gaps;
 }
 
 }  // namespace
@@ -72,7 +80,8 @@ std::vector<double> without_load(const TrainOnBedParameters& p, std::vector<doub
 struct TrainOnBed::Impl {
   Impl(const TrainOnBedParameters& p, const std::vector<double>& at)
       : begin(p.first - p.line.track.sleeper_x(static_cast<std::size_t>(p.seat.before))),
-        levels(without_load(p, at)),
+        gaps(gaps_of(p, at.size())),
+        levels(without_load(at, gaps)),
         target(p.kept.empty() ? levels : p.kept),
         ramp(p.kept.empty() ? 0 : std::max<std::int64_t>(1, std::llround(p.ramp / p.step))),
         line(on_moved_sleepers(p)),
@@ -114,7 +123,8 @@ struct TrainOnBed::Impl {
     return Irregularity(*p.irregularity_right, p.line.track.length);
   }
 
-  double begin;  // m, x of the bed at the start of the track
+  double begin;              // m, x of the bed at the start of the track
+  std::vector<double> gaps;  // m, of the seats
   // m, of the seats at which pads carry no load, now and after the ramp: state.
   std::vector<double> levels, target;
   std::int64_t ramp, ramped = 0;  // steps of the ramp, and those done: state
@@ -179,6 +189,13 @@ void TrainOnBed::advance(const std::vector<double>& levels, const std::vector<do
   impl.approach_kept_rail(seats);
   impl.passage.place_seats(seats);
   impl.passage.advance();
+}
+
+double TrainOnBed::highest_seat() const {
+  double highest = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < impl_->gaps.size(); ++i)
+    highest = std::max(highest, impl_->target[i] - impl_->gaps[i]);
+  return highest;
 }
 
 double TrainOnBed::origin() const { return impl_->begin; }

@@ -201,15 +201,5 @@ TEST(Heap, HeightsDoNotDependOnCells) {
   EXPECT_GT(highest, 0.1);
 }
 
-// Of 100 million stones only some columns are placed.
-TEST(Columns, HeightOfMillionsOfStonesTakesSeconds) {
-  Scene scene(Dimension::space, StoneKind::polyhedra);
-  scene.bed.sieve = {3, 63}, scene.bed.passing = {0, 100};
-  const Mix mix(scene.bed, scene.domain.dimension);
-  const Columns columns(scene.bed, scene.domain, mix);
-  EXPECT_GT(columns.stones(), 1'000'000);
-  EXPECT_LT(height_of(par::Comm::self(), columns), 20 * scene.bed.height);
-}
-
 }  // namespace
 }  // namespace trackbed::bed::columns_test
