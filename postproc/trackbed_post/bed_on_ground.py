@@ -357,12 +357,9 @@ def draw_all(runs, folder, ends=True):
 
 def effects(runs, unsound):
     """Sentences on the difference of two runs, those of the table; a train has others."""
-    if len(runs) != 2 or ground_blocks.carried_by_springs(runs[0]):
+    if ground_blocks.carried_by_springs(runs[0]):
         return []
-    wedge = max(ground_blocks.wedge_length(run) for run in runs)
-    first, second = (ground_transition.transition(run, wedge) for run in runs)
-    return ground_transition.effect(first, second, measures.spacing(runs[0]), judgement.why_no_pair(
-        *runs), unsound) if first and second else []
+    return ground_transition.effects(runs, unsound)
 
 
 def draw_into(results, folder, ends=True):

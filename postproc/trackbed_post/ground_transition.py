@@ -124,6 +124,12 @@ def transition(results: read.Results, changing: float | None = None) -> Transiti
         sleeper_residual=float(np.max(np.abs(residual))) if known else NOWHERE)
 
 
+def transitions(runs: Runs) -> list[Transition]:
+    """That of each run which has one, all to plain track from the same place."""
+    return [one for run, changing in zip(runs, zones.changing_of_each(runs))
+            if (one := transition(run, changing))]
+
+
 ROWS = (  # label, unit, field, factor
     ("largest ground displacement on the structure", "mm", "structure_displacement", 1e3),
     ("median ground displacement on plain track", "mm", "far_displacement", 1e3),
@@ -167,8 +173,7 @@ def table(runs: Runs, unsound: str = "") -> str:
     """Text of the results of one or two runs; with two also the change from the second to the
     first, which is the effect of the wedge if only the first has one. `unsound`: why these beds
     have no verdict."""
-    found = [one for run, changing in zip(runs, zones.changing_of_each(runs))
-             if (one := transition(run, changing))]
+    found = transitions(runs)
     if len(found) < len(runs):
         reasons = "; ".join(filter(None, map(why_no_transition, runs)))
         return f"no transition to measure: {reasons}\n" + "".join(
@@ -182,7 +187,7 @@ def table(runs: Runs, unsound: str = "") -> str:
     moved_stones = [line for run in runs for line in measures.warnings(run)]
     lines += moved_stones
     if len(found) == 2:
-        lines += _comparison(runs, found, unsound, bool(moved_stones))
+        lines += _comparison(runs, unsound, bool(moved_stones))
     return "\n".join(lines) + "\n"
 
 
@@ -203,13 +208,13 @@ def _rows(runs: Runs, found: list[Transition]) -> list[str]:
     return lines
 
 
-def _comparison(runs: Runs, found: list[Transition], unsound: str, moved: bool) -> list[str]:
+def _comparison(runs: Runs, unsound: str, moved: bool) -> list[str]:
     """What differs between two runs; `moved`: whether stones of one have moved."""
     lines = []
     if runs[0].deck.get("stage") != runs[1].deck.get("stage"):
         lines.append("warning: the two decks differ in their stages")
-    if why := judgement.why_no_comparison(*runs):
-        return [*lines, f"no comparison: {why}"]
+    if judgement.why_no_comparison(*runs):
+        return lines + effects(runs, unsound)
     if moved:
         causes = [f"the {ground_blocks.listed(ground_blocks.more_blocks(*pair))}"
                   for pair in (runs, runs[::-1]) if ground_blocks.differ_by_wedge(*pair)]
@@ -218,8 +223,19 @@ def _comparison(runs: Runs, found: list[Transition], unsound: str, moved: bool) 
     if ground_blocks.carried_by_springs(runs[0]) and \
             runs[0].deck.get("dimension", "plane") == "plane":
         lines.append(ON_GROUND)
-    return lines + effect(found[0], found[1], measures.spacing(runs[0]),
-                          judgement.why_no_pair(*runs), unsound)
+    return lines + effects(runs, unsound)
+
+
+def effects(runs: Runs, unsound: str = "") -> list[str]:
+    """Messages on the differences between two runs, those of table.txt and of the report, or why
+    their places cannot be compared; none if a run has no transition."""
+    found = transitions(runs)
+    if len(runs) != 2 or len(found) != 2:
+        return []
+    if why := judgement.why_no_comparison(*runs):
+        return [f"no comparison: {why}"]
+    return effect(found[0], found[1], measures.spacing(runs[0]), judgement.why_no_pair(*runs),
+                  unsound)
 
 
 def differences(first: Transition, second: Transition, spacing: float) -> dict[str, Difference]:

@@ -12,7 +12,7 @@ import typing
 
 import numpy as np
 
-from trackbed_post import ground_blocks, ground_transition, measures, read, zones
+from trackbed_post import ground_blocks, ground_transition, measures, read
 from trackbed_post.judgement import CLEAR, Difference, shown, why_no_pair
 from trackbed_post.zones import REACHED
 
@@ -158,11 +158,10 @@ def beside_ground(rail: Differences, ground: Differences) -> str:
 
 def of_ground(runs: list[read.Results]) -> Differences:
     """Of two runs, at the ground's surface; empty where it cannot be measured."""
-    first, second = (ground_transition.transition(run, changing)
-                     for run, changing in zip(runs, zones.changing_of_each(runs)))
-    if first is None or second is None:
+    found = ground_transition.transitions(runs)
+    if len(found) < len(runs):
         return {}
-    return ground_transition.differences(first, second, measures.spacing(runs[0]))
+    return ground_transition.differences(found[0], found[1], measures.spacing(runs[0]))
 
 
 def beside_structure(run: read.Results) -> str:

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from trackbed_post import ground_transition, read, zones
+from trackbed_post import bed_on_ground, ground_transition, read, zones
 
 EDGE = 4.0
 
@@ -85,3 +85,28 @@ def test_each_sleeper_is_in_one_part(runs):
     assert list(zone.parts) == ["on the structure", "in the transition", "on plain track"]
     counted = sum(part.astype(int) for part in zone.parts.values())
     assert counted[3:-3].tolist() == [1] * 9 and counted.sum() == 9
+
+
+def in_short(pair):
+    return bed_on_ground.effects(pair, "")
+
+
+def test_the_report_has_the_sentences_of_the_table(runs):
+    """The ground of the second run changes farther than the wedge is long."""
+    pair = [dataclasses.replace(run, rail={}, ground_envelope={
+        **run.ground_envelope, "displacement_min": read.Quantity(
+            -np.interp(run.ground_x, [2.0, reached], [0.02e-3, 2e-3]), "m", "-")})
+            for run, reached in zip(runs, (4.0, 6.5))]
+    lines = in_short(pair)
+    assert len(lines) == 5
+    assert ground_transition.table(pair).splitlines()[-5:] == lines
+
+
+def test_the_report_compares_no_places_that_differ(runs):
+    far = copy.deepcopy(runs[1])
+    for block in far.deck["ground"]["block"]:
+        block["outline"] = [x + 1.2 if k % 2 == 0 and x > 0 else x
+                            for k, x in enumerate(block["outline"])]
+    line, = in_short([runs[0], far])
+    assert line.startswith("no comparison: the transitions of both runs are not at the same place")
+    assert line in ground_transition.table([runs[0], far])
