@@ -98,17 +98,23 @@ class Difference:
         they do not. `unsound`: why this bed has no verdict (bed_warnings.py)."""
         if unsound:
             return f"no verdict, since {unsound}"
+        verdict, numbers = self.judged(by_wedge, no_pair)
+        return f"{verdict} ({numbers})" if numbers else verdict
+
+    def judged(self, by_wedge: bool, no_pair: str = NO_PAIR) -> tuple[str, str]:
+        """(verdict, the numbers from which it follows, or nothing)."""
         limit = f"{self.beside}, {self.of_text(self.scatter)}"
         difference = f"the difference, {self.of_text(abs(self.first - self.second))}, is"
         if math.isnan(self.change):
-            return "no verdict: the change is not known"
+            return "no verdict: the change is not known", ""
         if abs(self.change) <= CLEAR:
-            return f"no clear effect (within {CLEAR:.0%})"
+            return "no clear effect", f"within {CLEAR:.0%}"
         if math.isnan(self.scatter):
-            return "no verdict: there is no plain track with whose scatter it could be compared"
+            return ("no verdict: there is no plain track with whose scatter it could be compared",
+                    "")
         if not self.larger_than_scatter:
-            return f"no clear effect ({difference} not larger than {limit})"
+            return "no clear effect", f"{difference} not larger than {limit}"
         if not by_wedge:
-            return f"change relative to the second run; no verdict: {no_pair}"
+            return f"change relative to the second run; no verdict: {no_pair}", ""
         expected = "as" if (self.first - self.second) * self.wanted > 0 else "NOT as"
-        return f"{expected} expected of a wedge ({difference} larger than {limit})"
+        return f"{expected} expected of a wedge", f"{difference} larger than {limit}"

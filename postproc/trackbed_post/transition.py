@@ -28,6 +28,12 @@ class Train:
     passing: train_figures.Passing
     name: str = ""
 
+    @property
+    def name_first(self):
+        """The name as the first words of a sentence; that of a folder stays as it is."""
+        return self.name if self.name.startswith(self.run.name) else \
+            self.name[:1].upper() + self.name[1:]
+
     def rail_down(self):
         """Lowest level of the rail above each sleeper."""
         first = self.passing.first

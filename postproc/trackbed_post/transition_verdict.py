@@ -121,19 +121,25 @@ def place(x: float, behind: float) -> str:
     return f"at x = {x:.{digits}f} m, {abs(behind):.{digits}f} m {side} the structure"
 
 
+def clearly_larger(trains: list[Train], changes: list[Change]) -> list[Train]:
+    """Those whose largest wheel force in the transition is clearly larger than on plain track."""
+    return [train for train, change in zip(trains, changes)
+            if change.force > change.force_plain and Difference(
+                change.force, change.force_plain, change.force_plain - train.mean_force(),
+                "kN").clear]
+
+
 def cause_of_forces(trains: list[Train], changes: list[Change]) -> str:
     """A sentence: whether wheel forces in the transition are clearly larger than elsewhere."""
-    larger = [train.name for train, change in zip(trains, changes)
-              if change.force > change.force_plain and Difference(
-                  change.force, change.force_plain, change.force_plain - train.mean_force(),
-                  "kN").clear]
+    larger = clearly_larger(trains, changes)
 
     def both(field: str) -> str:
         return " and ".join(shown(1e-3 * getattr(change, field)) for change in changes)
     elsewhere = (f"forces on plain track, up to {both('force_plain')} kN; on the structure they "
                  f"reach {both('force_structure')} kN")
     if larger:
-        return f"{' and '.join(larger).capitalize()}, it is clearly larger than {elsewhere}."
+        names = " and ".join([larger[0].name_first, *(train.name for train in larger[1:])])
+        return f"{names}, it is clearly larger than {elsewhere}."
     return ("It is not clearly larger than " + elsewhere +
             ": it belongs to the ripple over the whole bed.")
 

@@ -1,6 +1,8 @@
 """Tests of the texts of transition.png and model.png: short, complete, and beside what they are
 about."""
+import dataclasses
 import re
+import types
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -8,7 +10,7 @@ import pytest
 import test_film
 import test_transition
 from trackbed_post import (model_drawing, transition, transition_caption, transition_figures,
-                           write)
+                           transition_verdict, write)
 
 
 def pair():
@@ -39,7 +41,50 @@ def test_a_force_that_is_larger_than_elsewhere_is_called_so():
     trains, _ = pair()
     trains[1].passing.force[np.abs(trains[1].passing.x - 6.9) < 0.05] = 80e3
     text = transition_caption.of(trains, transition.changes_of(trains), "", False)
-    assert "and clearly larger than those on plain track" in text
+    assert text.count("and clearly larger than those on plain track (without wedge only)") == 1
+    assert "Without wedge, it is clearly larger" in transition_verdict.verdict(
+        trains, transition.changes_of(trains))
+    trains[0].passing.force[np.abs(trains[0].passing.x - 6.9) < 0.05] = 80e3
+    changes = transition.changes_of(trains)
+    text = transition_caption.of(trains, changes, "", False)
+    assert "and clearly larger than those on plain track, 60.0" in text
+    assert "With wedge and without wedge, it is clearly larger" in transition_verdict.verdict(
+        trains, changes)
+
+
+def test_names_keep_their_capitals():
+    """A folder's whole name, and that of a block behind our first word."""
+    trains = [dataclasses.replace(train, name=f"run_{name}", run=types.SimpleNamespace(
+        **{**vars(train.run), "name": f"run_{name}"})) for train, name in zip(pair()[0], "AB")]
+    text = transition_caption.of(trains, transition.changes_of(trains), "not known", False)
+    assert "run_A, 90% of the change" in text and "m, run_B 1 mm/m at" in text
+    slabs = [dataclasses.replace(train, name=f"{word} Slab")
+             for train, word in zip(trains, ("with", "without"))]
+    text = transition_caption.of(slabs, transition.changes_of(slabs), "", False)
+    assert "With Slab, 90% of the change" in text and "m, without Slab 1 mm/m at" in text
+
+
+def test_parts_are_called_the_same_places_only_if_they_are():
+    trains, _ = pair()
+    x = trains[1].run.sleepers_x
+    shifted = dataclasses.replace(trains[1], run=types.SimpleNamespace(
+        **{**vars(trains[1].run), "sleepers_x": x + 0.05}))
+    for second, same in ((trains[1], True), (shifted, False)):
+        both = [trains[0], second]
+        text = transition_caption.limits(both, transition.changes_of(both))
+        assert ("the same places in both runs" in text) == same
+
+
+def test_a_change_that_is_never_reached_has_no_distance():
+    trains, changes = pair()
+    never = [dataclasses.replace(change, width=np.nan) for change in changes]
+    for given, words in (
+            (never[:1], "to plain track is not reached. Steepest"),
+            ([never[0], changes[1]],
+             "to plain track is not reached, without wedge reached 0.54 m behind the structure. "),
+            ([changes[0], never[1]], "2.7 m behind the structure, without wedge not reached. ")):
+        text = transition_caption.of(trains[:len(given)], given, "", False)
+        assert words in text and "nan" not in text
 
 
 def test_the_caption_states_why_there_is_no_verdict_and_the_numbers():
