@@ -23,18 +23,24 @@ class BedWarning:
 
 
 def warnings_of(run: read.Results, changing: float | None = None) -> list[BedWarning]:
-    """Those of a run; none without a passage over sleepers on stones. While the train is on the bed
-    neither gaps nor settlement are known. `changing`: distance over which the track changes, m
-    (zones.py), by default that of this run alone."""
+    """Those of a run; none without a passage over sleepers on stones. Before the train has left the
+    bed no settlement is known, and while it moves on no gaps either. `changing`: distance over
+    which the track changes, m (zones.py), by default that of this run alone."""
     if not run.has_passage() or not len(run.sleepers_x) or "reaction" not in run.sleeper:
         return []
-    if not measures.train_has_left(run):
-        return [BedWarning("the train has not left the bed", (
-            f"the train has not left the bed in the last row of the histories, at "
-            f"{run.time[-1]:.4g} s: numbers and figures of the passage are those up to then, and "
-            "no residual displacement is known; wait for the end of the run or, if it was stopped, "
-            "resume it; if the stage has ended, give it a longer duration"))]
-    return [*_of_hanging(run), *_of_settling(run, changing), *_of_load(run)]
+    if measures.train_has_left(run):
+        return [*_of_hanging(run), *_of_settling(run, changing), *_of_load(run)]
+    numbers = (f"at {run.time[-1]:.4g} s: numbers and figures of the passage are those up to then, "
+               "and no residual displacement is known; ")
+    if measures.train_stands(run):
+        return [BedWarning("the train stops on the bed", (
+            f"the train stops on the bed (train.speeds ends with 0) and stands there in the last "
+            f"row of the histories, {numbers}let it run on past the last sleeper to know it")),
+            *_of_hanging(run), *_of_load(run)]
+    return [BedWarning("the train has not left the bed", (
+        f"the train has not left the bed in the last row of the histories, {numbers}wait for the "
+        "end of the run or, if it was stopped, resume it; if the stage has ended, give it a longer "
+        "duration"))]
 
 
 def of(run: read.Results, changing: float | None = None) -> list[str]:
@@ -62,28 +68,44 @@ def _of_hanging(run: read.Results) -> list[BedWarning]:
 
 
 def _loads_before(run: read.Results) -> list[read.Deck]:
-    """The stages of load before the passage."""
+    """The stages before the passage that load the bed: those of kind load and, before a train, the
+    passages of axle loads ([load])."""
     before = run.deck.get("stage", [])[:int(run.stage[run.passage()][0])]
-    return [stage for stage in before if stage["kind"] == "load"]
+    train = ground_blocks.carried_by_springs(run)
+    return [stage for stage in before if stage["kind"] == "load"
+            or train and stage["kind"] == "passage" and not stage.get("train", False)]
 
 
 def remedies(run: read.Results) -> str:
-    """What beds sleepers in further. A stage that has reached its aim ends early, so that more
-    cycles would change nothing; whether it has is not known while the run goes on."""
+    """What beds sleepers in further: two remedies at most."""
     stages = _loads_before(run)
     if not stages:
         return "add a stage of kind load with cycles before the passage"
-    name, aim = stages[-1]["name"], stages[-1].get("settlement", 0)
-    reached = run.aim_reached.get(name)
-    if aim > 0 and reached:
-        more = (f"a smaller settlement than {1e3 * aim:g} mm, with which it ended before all of "
-                "its cycles")
-    elif aim > 0 and reached is None:
-        more = (f"a smaller settlement than {1e3 * aim:g} mm, if it ended with this, or more "
-                "cycles and a longer duration, if not")
-    else:
-        more = "more cycles and a longer duration"
-    return f"give stage {name} a larger load, or {more}; or add a passage before this one"
+    stage = stages[-1]
+    name = stage["name"]
+    if stage["kind"] == "passage":
+        return f"give the axles of stage {name} a larger load ([load]), or the stage more cycles"
+    if not stage.get("cycles", 0):
+        return f"give stage {name} a larger load, or cycles instead of a single ramp"
+    return f"give stage {name} {_of_cycles(run, stage)}"
+
+
+def _of_cycles(run: read.Results, stage: read.Deck) -> str:
+    """The same for a stage of load with cycles. One that has reached its aim ends early, so that
+    more cycles would change nothing; whether it has is not known while the run goes on. Its last
+    cycle may reach the aim too: then it has not ended early."""
+    more, aim = "more cycles and a longer duration", stage.get("settlement", 0)
+    smaller = f"a smaller settlement than {1e3 * aim:g} mm"
+    reached, lasted = run.aim_reached.get(stage["name"]), run.lasted.get(stage["name"])
+    if aim > 0 and reached is None:
+        return f"{smaller}, if it ended with this, or {more}, if not"
+    if not (aim > 0 and reached):
+        return f"a larger load, or {more}"
+    if lasted is None:
+        return f"a larger load, or {smaller}, which it reached"
+    if lasted < stage["duration"] * (1 - 0.5 / stage["cycles"]):
+        return f"a larger load, or {smaller}, with which it ended early"
+    return f"a larger load, or {smaller}, which it reached in its last cycle, with {more}"
 
 
 def _in_parts(run: read.Results, which: np.ndarray, changing: float | None) -> str:
@@ -117,10 +139,9 @@ def _of_load(run: read.Results) -> list[BedWarning]:
     stages = _loads_before(run)
     if not stages:
         return []
-    most = max(stages, key=_load)
-    load = _load(most)
-    inner = ~ground_blocks.ends(run)
-    carried = float(np.max(run.sleeper["reaction"].values[run.passage()][:, inner]))
+    loads = [_load(run, stage) for stage in stages]
+    load, most = max(loads), stages[int(np.argmax(loads))]
+    carried = _carried(run, run.passage())
     if not carried > load > 0:
         return []
     return [BedWarning("the bed was bedded in with less than the load of the passage", (
@@ -129,6 +150,14 @@ def _of_load(run: read.Results) -> list[BedWarning]:
         "bedded it in: settlement is that of a first loading; give this stage a larger load"))]
 
 
-def _load(stage: read.Deck) -> float:
-    """Of a stage on each sleeper, N."""
+def _carried(run: read.Results, rows: slice | np.ndarray) -> float:
+    """Largest force of the stones on a sleeper in these rows, N; 0 without a row."""
+    inner = ~ground_blocks.ends(run)
+    return float(np.max(run.sleeper["reaction"].values[rows][:, inner], initial=0.0))
+
+
+def _load(run: read.Results, stage: read.Deck) -> float:
+    """Of a stage on each sleeper, N; in a passage what the stones carry."""
+    if stage["kind"] == "passage":
+        return _carried(run, run.stage == run.deck["stage"].index(stage))
     return float(stage.get("load", 0) + stage.get("seat_force", 0))

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from trackbed_post import axles, ground_blocks, progress, read
 
 LASTING = 1e-3   # m, a larger residual displacement of a sleeper means that stones have moved
+STANDS = 1e-4    # m between two rows of the histories, below which a train stands
 TINY = ground_blocks.TINY
 NOWHERE = float("nan")
 
@@ -69,6 +70,17 @@ def train_has_left(results: read.Results) -> bool:
         return True
     first = load.get("start", 0.0) + load["speed"] * (time[-1] - time[0])
     return bool(first - max(load["axles"]) >= end)
+
+
+def train_stands(results: read.Results) -> bool:
+    """Whether the train of the passage has come to its end, speed 0, and stands in the last row."""
+    speeds = results.deck.get("train", {}).get("speeds", [])
+    if not (speeds and speeds[-1] == 0 and results.has_passage() and "x" in results.wheel
+            and ground_blocks.carried_by_springs(results)):
+        return False
+    x = results.wheel["x"].values[results.passage()][-2:]
+    moved = np.abs(np.diff(x, axis=0))
+    return bool(moved.size and np.nanmax(moved, initial=0.0) < STANDS)
 
 
 def stage_shown(run: read.Results) -> str:

@@ -120,7 +120,8 @@ def _of_pads_on_bed(run: read.Results) -> list[str]:
         return []
     load = load[known][:, inner]
     return _of_pads(x[inner], load.min(axis=0), load.max(axis=0),
-                    f"{bed_warnings.remedies(run)}; or check irregularity and speed")
+                    "check irregularity and speed; if these are as meant, "
+                    f"{bed_warnings.remedies(run)}")
 
 
 def _of_pads_of_track(every: read.Quantities, deck: read.Deck) -> list[str]:

@@ -93,6 +93,7 @@ class Results:
     surface: dict[str, np.ndarray]  # stage -> rows x, y, z of the bed's top, m; z nan: no stone
     breaks: dict[str, np.ndarray]   # stage -> rows of BREAK, pebbles that broke off up to its end
     bonds: dict[str, Bonds]         # stage -> those at its end
+    lasted: dict[str, float] = dataclasses.field(default_factory=dict)  # stage -> s, the same file
     folder: pathlib.Path | None = None  # with the files of the run beside results.h5
 
     def _last_passage(self) -> int:
@@ -277,6 +278,8 @@ def _results(file_path: pathlib.Path, file: h5py.File) -> Results:
         aim_reached={stage["name"]: stage["aim_reached"]
                      for stage in summary(file_path.parent).get("stages", ())
                      if "aim_reached" in stage},
+        lasted={stage["name"]: stage["duration_s"]
+                for stage in summary(file_path.parent).get("stages", ()) if "duration_s" in stage},
         platen=_platen(file),
         regions=_regions(file),
         sleeper_envelope=_quantities(file, "envelope/sleeper"),

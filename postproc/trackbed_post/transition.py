@@ -95,11 +95,11 @@ def require_whole(run, passing):
     if not run.has_passage() or passing.time[0] < last[0]:
         raise read.Unreadable(f"{run.name}: the run has not reached the train of its last passage: "
                               "wait for its end or, if it was stopped, resume it")
-    gone = passing.x[-1][np.isfinite(passing.x[-1])]
-    if len(gone) and gone.min() < run.sleepers_x[-1]:
-        raise read.Unreadable(f"{run.name}: the last row of the histories, {last[-1]:.4g} s, has "
-                              f"an axle at x = {gone.min():.1f} m, on the bed or before it: resume "
-                              "the run, or give a longer stage.duration")
+    if not measures.train_has_left(run):
+        remedy = "let it run on past the last sleeper (train.speeds ends with 0)" \
+            if measures.train_stands(run) else "resume the run, or give a longer stage.duration"
+        raise read.Unreadable(f"{run.name}: the train has not left the bed in the last row of the "
+                              f"histories, at {last[-1]:.4g} s: {remedy}")
 
 
 def train_of(folder):

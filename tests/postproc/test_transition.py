@@ -205,12 +205,14 @@ def test_no_verdict():
 
 
 def test_a_run_that_was_stopped_is_refused():
-    run = types.SimpleNamespace(name="made", time=np.linspace(0, 1, 11), sleepers_x=X,
-                                passage=lambda: slice(5, 11), has_passage=lambda: True)
     for begin, axle, words in ((0.2, 20.0, "has not reached the train of its last passage"),
-                               (0.5, 10.0, "has an axle at x = 10.0 m")):
-        passing = types.SimpleNamespace(time=np.linspace(begin, 1, 6),
-                                        x=np.full((6, 2), axle))
+                               (0.5, 10.0, "the train has not left the bed in the last row")):
+        run = types.SimpleNamespace(
+            name="made", time=np.linspace(0, 1, 11), sleepers_x=X, passage=lambda: slice(5, 11),
+            deck={"stage": [{"kind": "passage", "train": True}]}, has_passage=lambda: True,
+            asks_for_passage=lambda: True,
+            wheel={"x": types.SimpleNamespace(values=np.full((11, 2), axle))})
+        passing = types.SimpleNamespace(time=np.linspace(begin, 1, 6))
         with pytest.raises(read.Unreadable, match=words):
             transition.require_whole(run, passing)
 
