@@ -1,9 +1,11 @@
 """What the effective decks of several runs differ by: keys, and the value of each run.
 
 Tables of a list have their name in the key (ground.block.wedge.present), or their number from 1. Of
-a table that a run does not have at all there is one row, which lists its values.
+a table that a run does not have at all there is one row, which lists its values. A list whose tables
+are in another order has a row with the order: later blocks overrule earlier ones.
 """
 import collections.abc
+import os
 import typing
 
 from trackbed_post import read
@@ -11,6 +13,7 @@ from trackbed_post import read
 ABSENT = "-"
 LEFT_OUT = ("title", "name")  # stated elsewhere
 LONGEST = 100                 # letters of a value
+BEFORE = 30                   # of these before the first letter that differs
 
 
 def rows(decks: collections.abc.Sequence[read.Deck]) -> list[list[str]]:
@@ -27,9 +30,19 @@ def _differing(before: str, tables: list[typing.Any]) -> collections.abc.Iterato
         tabular = [_as_table(value) for value in there]
         if all(table is not None for table in tabular) and \
                 (len(there) == len(values) or all(isinstance(one, list) for one in there)):
-            yield from _differing(f"{before}{key}.", [_as_table(value) or {} for value in values])
+            named = [_as_table(value) or {} for value in values]
+            if any(isinstance(one, list) for one in there) and _reordered(named):
+                yield [f"{before}{key} (order)", *_texts([list(one) for one in named])]
+            yield from _differing(f"{before}{key}.", named)
         else:
-            yield [before + key, *map(_text, values)]
+            yield [before + key, *_texts(values)]
+
+
+def _reordered(tables: list[dict[str, typing.Any]]) -> bool:
+    """Whether the tables that all lists have are not in the same order in all of them."""
+    common = set.intersection(*(set(one) for one in tables))
+    orders = [[name for name in one if name in common] for one in tables]
+    return any(order != orders[0] for order in orders)
 
 
 def _as_table(value: typing.Any) -> dict[str, typing.Any] | None:
@@ -46,11 +59,15 @@ def _as_table(value: typing.Any) -> dict[str, typing.Any] | None:
     return found
 
 
-def _text(value: typing.Any) -> str:
-    if value is None:
-        return ABSENT
-    text = _in_full(value)
-    return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
+def _texts(values: list[typing.Any]) -> list[str]:
+    """A cell for each value; long ones are cut around the first letter that differs."""
+    texts = [ABSENT if value is None else _in_full(value) for value in values]
+    there = [text for text, value in zip(texts, values) if value is not None]
+    same = len(os.path.commonprefix(there)) if len(there) > 1 else 0
+    begin = max(same - BEFORE, 0) if same >= LONGEST else 0
+    return [text if len(text) <= LONGEST else
+            f"{'...' if begin else ''}{text[begin:begin + LONGEST]}"
+            f"{'...' if len(text) > begin + LONGEST else ''}" for text in texts]
 
 
 def _in_full(value: typing.Any) -> str:

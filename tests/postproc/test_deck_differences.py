@@ -33,6 +33,37 @@ def test_a_row_for_each_key_that_differs(change, expected):
     assert deck_differences.rows([DECK, DECK]) == []
 
 
+def test_another_order_has_a_row():
+    first = {"ground": {"block": [{"name": "wedge", "young": 1}, {"name": "slab"}]},
+             "stage": [{"name": "load"}, {"name": "train"}]}
+    second = copy.deepcopy(first)
+    second["ground"]["block"].reverse()
+    assert deck_differences.rows([first, second]) == [
+        ["ground.block (order)", "[wedge, slab]", "[slab, wedge]"]]
+    second["ground"]["block"][1]["young"] = 2
+    second["ground"]["block"].insert(0, {"name": "new"})
+    second["stage"].insert(0, {"name": "rest"})  # those of both are in the same order
+    assert deck_differences.rows([first, second]) == [
+        ["ground.block (order)", "[wedge, slab]", "[new, slab, wedge]"],
+        ["ground.block.wedge.young", "1", "2"], ["ground.block.new", "-", ""],
+        ["stage.rest", "-", ""]]
+
+
+def test_long_values_are_cut_around_their_first_difference():
+    lists = [[0.5 * k for k in range(100)] for _ in range(3)]
+    lists[1][70], lists[2] = 7.25, lists[0][:3]
+    row, = deck_differences.rows([{"times": values} for values in lists[:2]])
+    assert "35, 35.5" in row[1] and "34.5, 7.25, 35.5" in row[2]
+    for cell in row[1:]:
+        assert cell.startswith("...") and cell.endswith("...")
+        assert len(cell) == deck_differences.LONGEST + 6
+    lists[1] = lists[0][:71]
+    _, longer, shorter = deck_differences.rows([{"times": values} for values in lists[:2]])[0]
+    assert longer != shorter and shorter.endswith("35]")
+    row, = deck_differences.rows([{"times": values} for values in lists])
+    assert row[3] == "[0, 0.5, 1]" and row[1].startswith("[0, 0.5, 1, ")
+
+
 def test_equal_names_are_numbered_and_long_values_are_cut():
     first = {"sensor": [{"name": "a", "at": 1}, {"name": "a", "at": 2}], "x": "long " * 40}
     second = {"sensor": [{"name": "a", "at": 1}, {"name": "a", "at": 3}], "x": "short"}
