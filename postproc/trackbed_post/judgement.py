@@ -9,6 +9,7 @@ import math
 
 from trackbed_post import ground_blocks, read
 
+SMALL = 0.9995e-4  # a number that rounds to less than 1e-4 has an exponent
 CLEAR = 0.10  # a smaller relative difference is no clear effect
 NO_PAIR = "the first run must have all blocks of the second and at least one more (the wedge)"
 PLAIN = "the scatter on plain track"
@@ -21,7 +22,10 @@ def shown(value: float, place: bool = False) -> str:
         return "-"
     if place:
         return f"{round(value, 3) + 0.0:.6g}"
-    return f"{value:#.3g}".removesuffix(".") if abs(value) < 1000 else f"{value:.0f}"
+    if abs(value) < SMALL:
+        return f"{value:#.3g}"
+    digits = 2 - int(f"{abs(value):.2e}".partition("e")[2])  # of the rounded value
+    return f"{value:.{max(digits, 0)}f}"
 
 
 def why_no_comparison(first: read.Results, second: read.Results) -> str:

@@ -9,6 +9,15 @@ from trackbed_post import bed_on_ground, ground_transition, judgement, read, tra
 from trackbed_post import transition_verdict as verdicts
 
 
+@pytest.mark.parametrize("value, text", [
+    (999.4, "999"), (999.6, "1000"), (-999.6, "-1000"), (99.96, "100"), (9.996, "10.0"),
+    (0.9996, "1.00"), (123456.7, "123457"), (1.5e6, "1500000"), (1.234e-4, "0.000123"),
+    (-0.00035, "-0.000350"), (0.00999999, "0.0100"), (0.0, "0.00"), (math.nan, "-")])
+def test_numbers_of_tables_have_three_digits_and_no_exponent(value, text):
+    assert judgement.shown(value) == text
+    assert judgement.shown(0.99996e-4) == "0.000100" and judgement.shown(1e-5) == "1.00e-05"
+
+
 def of(first, second, scatter, wanted=-1, **more):
     return judgement.Difference(first, second, scatter, "mm/m", 1e3, wanted, **more)
 
