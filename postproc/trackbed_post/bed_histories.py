@@ -118,8 +118,8 @@ def draw_potential(runs, colours, panel):
         steps += steps_between_stages(run, values, np.ptp(change[np.isfinite(change)]))
     panel.set_ylabel("potential, change since\nthe stage began (J)")
     if steps:
-        panel.set_title(wrapped("not shown, as stones were removed or placed: "
-                                + "; ".join(steps), 9, 9), fontsize=9)
+        panel.set_title(wrapped("steps between stages, not shown (for example when stones are "
+                                "removed): " + "; ".join(steps), 9, 9), fontsize=9)
 
 
 def energy(runs):

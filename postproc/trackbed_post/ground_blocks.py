@@ -181,7 +181,10 @@ def measures_of(results: read.Results) -> list[Block]:
 def shallow(results: read.Results) -> str:
     """What follows a message that there is no structure: which stiff blocks count as measures."""
     found = [block.label for block in measures_of(results) if block.stiff]
-    return f"; {', '.join(found)} is stiff enough, but not deep enough" if found else ""
+    if not found:
+        return ""
+    verb = "is" if len(found) == 1 else "are"
+    return f"; {joined(found)} {verb} stiff enough, but not deep enough"
 
 
 def wedge_words(results: read.Results) -> str:
@@ -198,7 +201,11 @@ def listed(blocks: collections.abc.Iterable[Block]) -> str:
     """What they are in words: the stiff ones by their labels, all others together a wedge."""
     blocks = list(blocks)
     labels = [block.label for block in blocks if block.stiff]
-    labels += ["wedge"] if len(labels) < len(blocks) else []
+    return joined(labels + (["wedge"] if len(labels) < len(blocks) else []))
+
+
+def joined(labels: list[str]) -> str:
+    """a, b and c."""
     return " and ".join(filter(None, (", ".join(labels[:-1]), *labels[-1:])))
 
 

@@ -76,7 +76,8 @@ def test_the_potential_energy_counts_from_the_begin_of_each_stage(runs):
     assert drawn[0][-1] == pytest.approx(expected) and drawn[1][-1] == pytest.approx(expected)
     assert np.nanmax(np.abs(drawn[0])) < 110 and np.isnan(drawn[0][100]) and drawn[0][101] == 0
     assert axes[2].get_title() == \
-        "not shown, as stones were removed or placed: wedge, begin of passage: -21 kJ"
+        "steps between stages, not shown (for example when stones are removed): " \
+        "wedge, begin of passage: -21 kJ"
     assert bed_histories.energy([variant]).axes[2].get_title() == ""
     bed_on_ground.plt.close("all")
 

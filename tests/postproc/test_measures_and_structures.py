@@ -65,7 +65,10 @@ def test_the_depth_of_the_ground_is_that_of_its_layers(runs):
     run.deck["ground"]["layer"] = [{"thickness": 1.5}, {"thickness": 3.0}]
     assert ground_blocks.depth(run) == 4.5 and ground_blocks.edge_of_structure(run) is None
     text = ground_transition.why_no_transition(run)
-    assert ground_blocks.RULE in text and "abutment is stiff enough, but not deep enough" in text
+    assert ground_blocks.RULE in text and "; abutment is stiff enough, but not deep enough" in text
+    run = with_blocks(runs[0], SLAB, ("beam", 3e10, box(0, 2, 0, -0.2)))
+    run.deck["ground"]["layer"] = [{"thickness": 4.5}]
+    assert "; approach slab and beam are stiff enough, but" in ground_blocks.shallow(run)
 
 
 WEDGE = ("wedge", 3e8, box(2, 4))
