@@ -109,15 +109,20 @@ def _of_cycles(run: read.Results, stage: read.Deck) -> str:
 
 
 def _in_parts(run: read.Results, which: np.ndarray, changing: float | None) -> str:
-    """How many of these sleepers are in each part of a transition; empty without one."""
+    """How many of these sleepers are in each part of a transition, or in none, as those before the
+    structure; empty without a transition."""
     if ground_blocks.edge_of_structure(run) is None:
         return ""
     zone = zones.zone_of(run, zones.changing([run]) if changing is None else changing)
     if zone is None:
         return ""
+    parts = zone.parts
+    other = ~ground_blocks.ends(run) & ~np.any(list(parts.values()), axis=0)
+    if other.any():
+        parts["elsewhere"] = other
     return ": " + ", ".join(
         f"{np.count_nonzero(which & part)} of {np.count_nonzero(part)} {words}"
-        for words, part in zone.parts.items())
+        for words, part in parts.items())
 
 
 def _of_settling(run: read.Results, changing: float | None) -> list[BedWarning]:

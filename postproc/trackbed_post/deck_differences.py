@@ -1,8 +1,8 @@
 """What the effective decks of several runs differ by: keys, and the value of each run.
 
 Tables of a list have their name in the key (ground.block.wedge.present), or their number from 1. Of
-a table that a run does not have at all there is one row, which lists its values. A list whose tables
-are in another order has a row with the order: later blocks overrule earlier ones.
+a table that a run does not have at all there is one row, which lists its values. A list with tables
+in another order has a row with the order: later blocks overrule earlier ones.
 """
 import collections.abc
 import os

@@ -44,7 +44,7 @@ def zone_of(run: read.Results, changing: float) -> Zone | None:
     x, spacing = run.sleepers_x, measures.spacing(run)
     distance = ground_blocks.direction(run, edge) * (x - edge)
     begin, end = ground_blocks.plain_track(run, edge, changing, spacing)
-    judged = ~ground_blocks.at_ends(len(x), True)
+    judged = ~ground_blocks.ends(run)
     structure = judged & (x >= ends[0] - TINY) & (x <= ends[1] + TINY) & (
         distance <= -spacing + TINY)
     plain = judged & (distance >= begin - TINY) & (distance <= end + TINY)

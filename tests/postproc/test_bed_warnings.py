@@ -129,6 +129,9 @@ def test_the_warning_counts_sleepers_in_each_part(runs, tmp_path):
     bed_on_ground.draw_all([run], made)
     assert one in made.tables[0]
     bed_on_ground.plt.close("all")
+    run.deck["ground"]["block"][0]["outline"] = [2.5, 0.0, 4.0, 0.0, 4.0, -2.0, 2.5, -2.0]
+    before, = of_settling(run)  # 2.1 m is before the structure now
+    assert "0 of 2 on the structure" not in before and "0 of 1 elsewhere: the bed" in before
     bare = dataclasses.replace(run, deck={**run.deck, "ground": {}})
     assert "on the structure" not in of_settling(bare)[0]
     assert zones.changing([run]) > 0.1

@@ -18,7 +18,8 @@ def train(end_of_wedge, plain=1e-3, force=60e3, wedge_present=True):
     down = np.interp(X, [4.8, end_of_wedge], [0.4e-3, plain])
     down[[0, -1]] += 1e-3
     outline = [4.8, 0.0, 9.0, 0.0, 9.0, -0.6, 4.8, -0.6]
-    deck = {"sleepers": {"spacing": 0.6}, "train": {"speed": 40.0}, "ground": {"block": [
+    deck = {"sleepers": {"spacing": 0.6}, "train": {"speed": 40.0}, "stage": [
+        {"name": "train", "kind": "passage", "train": True}], "ground": {"block": [
         {"name": "structure", "outline": [0.0, 0.0, 4.8, 0.0, 4.8, -3.0, 0.0, -3.0], "young": 1e10},
         {"name": "wedge", "outline": outline, "present": wedge_present, "young": 1e9}]}}
     level = -np.stack([np.zeros_like(X), down, np.zeros_like(X)])

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from trackbed_post import bed_on_ground, ground_transition, read, zones
+from trackbed_post import bed_on_ground, ground_blocks, ground_transition, read, zones
 
 EDGE = 4.0
 
@@ -77,6 +77,17 @@ def test_a_level_that_is_never_reached_ends_the_search(runs):
     run = with_rail(runs[1], 60.0)
     assert np.isfinite(zones.changing([run]))
     assert ground_transition.transition(run) is not None
+
+
+def test_a_bed_between_walls_leaves_out_one_sleeper_at_each_end(runs):
+    """As the warnings do, whose numbers of sleepers in all parts add up."""
+    run = dataclasses.replace(with_rail(runs[1]), rail={})
+    for stage in run.deck["stage"]:
+        stage["train"] = False
+    zone = zones.zone_of(run, zones.changing([run]))
+    counted = sum(part.astype(int) for part in zone.parts.values())
+    assert counted.tolist() == (~ground_blocks.ends(run)).astype(int).tolist()
+    assert counted.sum() == len(run.sleepers_x) - 2
 
 
 def test_each_sleeper_is_in_one_part(runs):
