@@ -33,7 +33,7 @@ EVERYWHERE = np.array([[-FAR] * 3, [FAR] * 3])
 TITLE, LABEL = 22, 18   # points, of axes and colour bars
 AXES_OF_PLANE, AXES_OF_SPACE = 5, 7  # edges with labels: sums of 1, 2, 4 for least x, y, z
 # Part -> kind of data, array and title of its colours; of vectors the magnitude is shown.
-COLOURED_BY = {"stones": ("CELLS", "velocity", "speed of 99 % of the stones (m/s)"),
+COLOURED_BY = {"stones": ("CELLS", "velocity", "speed (m/s)"),
                "ground": ("POINTS", "displacement", "displacement of the ground (m)"),
                "contacts": ("POINTS", "force_size", "contact force (N)"),
                "solids": ("POINTS", "displacement", "displacement of the solids (m)")}
@@ -147,14 +147,25 @@ def balls_of(stones):
                         ScaleArray=["POINTS", "radius"], ScaleFactor=2.0, GlyphMode="All Points")
 
 
-def limit_speeds(stones):
-    """Lets the colours end at the speed of all but a few stones, which rattle."""
+def highest_speed(velocity, stone):
+    """Speed of all but the fastest stones, m/s, of the velocity of each cell, [cell, 3], and the
+    number of its stone, which may have many cells; 0 without a cell."""
+    _, first = np.unique(stone, return_index=True)
+    speed = np.linalg.norm(velocity[first], axis=1)
+    return float(np.percentile(speed, MOST)) if len(speed) else 0.0
+
+
+def limit_speeds(stones, bar):
+    """Lets the colours end at the speed of all but a few stones, which rattle, and says so; unless
+    all but these are at rest."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
-    velocity = servermanager.Fetch(stones).GetCellData().GetArray("velocity")
-    speed = np.linalg.norm(vtk_to_numpy(velocity), axis=1) if velocity else np.zeros(0)
-    if len(speed) and np.percentile(speed, MOST) > 0:
-        table = simple.GetColorTransferFunction("velocity")
-        table.RescaleTransferFunction(0.0, float(np.percentile(speed, MOST)))
+    cells = servermanager.Fetch(stones).GetCellData()
+    arrays = [cells.GetArray(name) for name in ("velocity", "stone")]
+    if any(array is None for array in arrays):
+        return
+    if (highest := highest_speed(*map(vtk_to_numpy, arrays))) > 0:
+        simple.GetColorTransferFunction("velocity").RescaleTransferFunction(0.0, highest)
+        bar.Title = f"{bar.Title}, fastest {100 - MOST} % beyond the bar"
 
 
 def show_stones(stones, view, opacity):
@@ -167,7 +178,7 @@ def show_stones(stones, view, opacity):
         display = plain(source, view, PALE, opacity or 1.0)
         if opacity is None and place == "CELLS":
             bars.append(colour(display, "stones", view, shared=True))
-            limit_speeds(source)
+            limit_speeds(source, bars[-1])
         elif opacity is None:
             simple.ColorBy(display, (place, "velocity", "Magnitude"))
     return bars

@@ -109,3 +109,34 @@ def test_options(view):
     given = view.options(["run", "view.pvsm", "view.png", "3.44", "--x", "-1", "4"])
     assert (given.picture, given.time, given.x, given.whole) == ("view.png", 3.44, [-1, 4], False)
     assert view.options(["run", "view.pvsm", "--whole"]).whole
+
+
+def test_speeds_are_those_of_stones_not_of_their_cells(view):
+    """A hundred stones with one cell and one, the fastest but one, with as many as all others."""
+    stone = np.append(np.arange(101), np.full(100, 99))
+    velocity = np.zeros((201, 3))
+    velocity[:, 2] = -0.01 * np.where(stone == 100, 900, stone)
+    assert view.highest_speed(velocity, stone) == pytest.approx(0.99)
+    still = np.where(stone[:, None] == 100, velocity, 0)
+    assert view.highest_speed(still, stone) == 0 == view.highest_speed(velocity[:0], stone[:0])
+
+
+@pytest.mark.parametrize("moving, title", [
+    (3, "speed (m/s), fastest 1 % beyond the bar"), (0, "speed (m/s)")])
+def test_the_bar_says_which_stones_are_beyond_it(view, monkeypatch, moving, title):
+    velocity = np.zeros((5, 3))
+    velocity[:moving, 0] = 1.0
+    arrays, ends = {"velocity": velocity, "stone": np.arange(5)}, []
+    data = types.SimpleNamespace(GetCellData=lambda: types.SimpleNamespace(GetArray=arrays.get))
+    util = types.ModuleType("vtkmodules.util.numpy_support")
+    util.vtk_to_numpy = np.asarray
+    for name in ("vtkmodules", "vtkmodules.util"):
+        monkeypatch.setitem(sys.modules, name, types.ModuleType(name))
+    monkeypatch.setitem(sys.modules, util.__name__, util)
+    monkeypatch.setattr(view, "servermanager", types.SimpleNamespace(Fetch=lambda _: data))
+    monkeypatch.setattr(view, "simple", types.SimpleNamespace(
+        GetColorTransferFunction=lambda _: types.SimpleNamespace(
+            RescaleTransferFunction=lambda *limits: ends.append(limits))))
+    bar = types.SimpleNamespace(Title=view.COLOURED_BY["stones"][2])
+    view.limit_speeds(None, bar)
+    assert bar.Title == title and len(ends) == bool(moving)
