@@ -141,6 +141,7 @@ class Change:
     steepest_x: float  # between both
     steepest_behind: float
     scatter: float    # m/m, largest between neighbouring sleepers on plain track
+    sleeper_width: float     # m, from the edge to REACHED of the change of the sleepers themselves
     sleeper_steepest: float  # m/m, of the level of the sleepers themselves
     sleeper_scatter: float
     force: float      # N, largest wheel force in the transition
@@ -169,25 +170,33 @@ def changes_of(trains):
     found = [zone_of(run, changing) for run, changing in zip(runs, zones.changing_of_each(runs))]
     if None in found:
         return None
-    plains = [float(np.median(train.rail_down()[zone.plain]))
-              for train, zone in zip(trains, found)]
+    plains = np.array([[np.median(level[zone.plain])
+                        for level in (train.rail_down(), train.sleeper_down())]
+                       for train, zone in zip(trains, found)])
     same = all(ground_blocks.same_edge(runs[0], run) for run in runs[1:])
-    return [change_of(train, zone, plain, float(np.mean(plains)) if same else plain)
+    return [change_of(train, zone, plains.mean(axis=0) if same else plain)
             for train, zone, plain in zip(trains, found, plains)]
 
 
-def change_of(train, zone, plain, goal):
-    """The Change of one train; `goal`: level of plain track from which the width follows, m."""
+def width_of(level, zone, goal):
+    """Distance from the edge to REACHED of the change from the structure to the level `goal`, m."""
+    return zones.rail_width(zone.distance, level, float(np.mean(level[zone.structure])),
+                            float(goal))
+
+
+def change_of(train, zone, goals):
+    """The Change of one train; `goals`: levels of rail and sleepers on plain track from which the
+    widths follow, m."""
     level, x = train.rail_down(), train.run.sleepers_x
-    structure = float(np.mean(level[zone.structure]))
     steepest, steepest_x = steepest_within(level, x, zone.transition)
     force, force_x = train.largest_force_in(zone.transition)
 
     def behind(place):
         return float(np.interp(place, x, zone.distance))
     return Change(
-        zone=zone, structure=structure, plain=plain,
-        width=zones.rail_width(zone.distance, level, structure, goal), steepest=steepest,
+        zone=zone, structure=float(np.mean(level[zone.structure])),
+        plain=float(np.median(level[zone.plain])), width=width_of(level, zone, goals[0]),
+        sleeper_width=width_of(train.sleeper_down(), zone, goals[1]), steepest=steepest,
         steepest_x=steepest_x, steepest_behind=behind(steepest_x),
         scatter=steepest_within(level, x, zone.plain)[0],
         sleeper_steepest=steepest_within(train.sleeper_down(), x, zone.transition)[0],
@@ -203,6 +212,7 @@ ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3)
         ("lowest level of the rail on plain track, mm down", "plain", 1e3),
         (f"distance behind the structure where {REACHED:.0%} of the change is reached, m",
          "width", 1),
+        ("the same distance for the level of the sleepers, m", "sleeper_width", 1),
         ("steepest change between two sleepers of the transition, mm/m", "steepest", 1e3),
         ("x of the steepest change of the transition, m", "steepest_x", 1),
         ("distance of the steepest change behind the structure, m", "steepest_behind", 1),

@@ -53,6 +53,15 @@ def test_levels_and_length():
     assert found.force == pytest.approx(60e3)
 
 
+def test_the_sleepers_have_a_distance_of_their_own():
+    one = train(7.8)
+    one.passing.displacement[1, (X > 4.8) & (X < 17)] = -1e-3
+    found = transition.changes_of([one])[0]
+    assert found.width == pytest.approx(0.9 * 3.0)
+    assert found.sleeper_width == pytest.approx(0.9 * 0.6)
+    assert "the same distance for the level of the sleepers, m" in transition.table([one], [found])
+
+
 def test_places_are_stated():
     first, second = train(7.8), train(5.4, wedge_present=False)
     near = np.abs(second.passing.x - 6.9) < 0.05

@@ -21,6 +21,7 @@ FORCE, ON_STRUCTURE, ON_PLAIN = (f"largest wheel force {where}, kN" for where in
 MEAN = "mean wheel force over the bed, kN"
 SLEEPERS, SLEEPERS_PLAIN = (f"the same of the sleepers {where}, mm/m" for where in (
     "in the transition", "on plain track"))
+SLEEPERS_REACHED = "the same distance for the level of the sleepers, m"
 SETTLEMENT = "settlement of sleepers into the bed, relative to the ground, mean, mm"
 SENTENCES = {
     f"Without the wedge, 90 % of this increase is reached {N} m behind the structure, with the "
@@ -29,6 +30,8 @@ SENTENCES = {
     f"with it, .*?, {N} m behind the structure":
         ((STEEPEST, 1), (BEHIND, 1), (STEEPEST, 0), (BEHIND, 0)),
     f"changes between neighbouring sleepers of plain track, up to {N} mm/m": ((SCATTER, max),),
+    f"sleepers' own levels, 90 % is reached {N} m behind the structure without the wedge and {N} m "
+    f"behind it with the wedge": ((SLEEPERS_REACHED, 1), (SLEEPERS_REACHED, 0)),
     f"their steepest change shows no clear effect: it is {N} mm/m without the wedge and {N} mm/m "
     f"with it, on plain track up to {N} mm/m":
         ((SLEEPERS, 1), (SLEEPERS, 0), (SLEEPERS_PLAIN, max)),
