@@ -36,8 +36,7 @@ class Train:
 
     def rail_down(self):
         """Lowest level of the rail above each sleeper."""
-        first = self.passing.first
-        return self.passing.rail[first] - self.passing.rail[first:].min(axis=0)
+        return zones.rail_down(self.run)
 
     def sleeper_down(self):
         first = self.passing.first

@@ -39,7 +39,9 @@ def train_at(speed=SPEED):
     rail[60:] = -1e-3
     deck = {"bed": {"x": [0, 18.6]}, "thickness": 1.3, "train": {"speed": speed},
             "sleepers": {"spacing": 0.6, "width": 0.25, "height": 0.2}}
-    run = types.SimpleNamespace(name="made", deck=deck, sleepers_x=X, stones={}, sleeper={})
+    run = types.SimpleNamespace(name="made", deck=deck, sleepers_x=X, stones={}, sleeper={},
+                                wheel={}, rail={"displacement": types.SimpleNamespace(values=rail)},
+                                has_passage=lambda: True, passage=lambda: slice(None))
     passing = types.SimpleNamespace(time=time, x=np.stack([front, front - 2.5], axis=1), rail=rail,
                                     first=0)
     return transition.Train(run, passing, "made")

@@ -187,6 +187,7 @@ def test_levels_count_from_the_row_before_the_train():
         values[0] += 0.3e-3   # the pads take their forces
     assert one.rail_down() == pytest.approx(rail + 0.3e-3)
     one.passing.first = 1
+    one.run.wheel = {"x": types.SimpleNamespace(values=np.array([[-10.0], [-9.0], [20.0]]))}
     assert (one.rail_down() < rail + 0.2e-3).all() and (one.sleeper_down() <= sleeper).all()
 
 
