@@ -13,8 +13,8 @@ namespace trackbed::model {
 
 class RailEnds {
  public:
-  // To be called in every window with a train over a bed with this number of sleepers. Each train
-  // begins anew.
+  // To be called in every window with a train over a bed with this number of sleepers; starts again
+  // with each train.
   void observe(const track::TrainOnBed& train, std::size_t sleepers);
   // A sentence for each end at which both deflections differ too much, once the train has passed
   // it. `line`: the track, whose sleeper `before` is the first of the bed with `sleepers`.
