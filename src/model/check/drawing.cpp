@@ -34,7 +34,8 @@ std::string modulus(double pascal) {
                        : fmt::format("{:g} MPa", pascal / 1e6);
 }
 
-// As the post-processing decides: a slab of concrete on the surface is none.
+// As the post-processing decides, which also counts blocks that stand on others: a slab of concrete
+// on the surface is none.
 bool is_structure(const fem::GroundParameters& ground, const fem::Block& block) {
   double depth = 0, low = 0, high = -std::numeric_limits<double>::infinity();
   for (const fem::Layer& layer : ground.layers) depth += layer.thickness;

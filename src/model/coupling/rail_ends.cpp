@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t count = 3;   // of sleepers whose mean is taken: one may hang
 constexpr double ahead = 3;        // m: a rail deflects less far before an axle
-constexpr double different = 1.3;  // ratio; of the fitted springs of inputs/quickstart.toml 1.08
+constexpr double different = 1.3;  // ratio; of the fitted springs of inputs/quickstart.toml 1.13
 constexpr double least = 1e-5;     // m: less is no deflection by a train
 
 // First sleeper of each of the four groups.

@@ -98,13 +98,14 @@ void declare_arrivals(const Model& model, input::Section& s) {
     if (reached < bed || !train || track.stop()) continue;  // one that stops never leaves
     const double last = reached - train->axle_distance();
     const double end = bed + model.sleepers.last() - model.sleepers.first;
-    s.rule(fmt::format("stage[{}].duration", i), last >= end,
-           fmt::format("ends the stage before the train has left the bed: the last axle reaches "
-                       "{:.4g} m from the start of the track, and the last sleeper of the bed is "
-                       "at {:.4g} m; 0 lasts until it has left the track",
-                       last, end),
-           {.severity = input::Severity::warning,
-            .reads = {"stage", "train", "vehicle", "seat", "track", "sleepers"}});
+    s.rule(
+        fmt::format("stage[{}].duration", i), last >= end,
+        fmt::format("ends the stage before the train has left the bed: the last axle reaches "
+                    "{:.4g} m from the start of the track, and the last sleeper of the bed is "
+                    "at {:.4g} m; with a duration of 0 it lasts until the train has left the track",
+                    last, end),
+        {.severity = input::Severity::warning,
+         .reads = {"stage", "train", "vehicle", "seat", "track", "sleepers"}});
   }
 }
 
@@ -184,7 +185,7 @@ void declare_bedding_in(const Model& model, input::Section& s) {
   wheel *= model.seat.rails;  // of those that a sleeper of the model carries
   double loaded = 0;          // N
   std::size_t last = 0;
-  bool passed = false;  // by axles of constant load, which are as large as wanted
+  bool passed = false;  // by the axles of [load], whose size is not compared
   for (std::size_t i = 0; i < model.stages.size() && !model.stages[i].train; ++i) {
     const Stage& stage = model.stages[i];
     passed = passed || stage.kind == StageKind::passage;
@@ -192,10 +193,9 @@ void declare_bedding_in(const Model& model, input::Section& s) {
     if (load > loaded) loaded = load, last = i;
   }
   if (passed) return;
-  const bool begins = model.start.empty();
-  s.rule("stage", !begins || loaded > 0,
-         "no stage of kind load comes before the first train: the bed has carried no load of this "
-         "size and settles under the train; bed it in first",
+  s.rule("stage", !model.start.empty() || loaded > 0,
+         "no stage of kind load comes before the first train: the bed has not been bedded in and "
+         "settles under the train",
          {.severity = input::Severity::warning, .reads = {"stage", "start"}});
   s.rule(fmt::format("stage[{}].load", last), loaded == 0 || loaded >= least * wheel,
          fmt::format("loads each sleeper by {:.3g} kN together with seat_force, less than {:g} "

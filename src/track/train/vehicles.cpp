@@ -289,8 +289,8 @@ void declare_unused(const V& given, const V& whole, input::Section& s) {
   const double reach = axle_span_of(whole);
   s.rule("bogie_distance",
          layout.bogies < 2 || whole.bogie_distance == 0 || whole.bogie_distance > whole.wheelbase,
-         fmt::format("must exceed the wheelbase of {:g} m: otherwise the bogies overlap (is the "
-                     "wheelbase, that of a bogie, right?)",
+         fmt::format("must exceed the wheelbase of {:g} m: otherwise the bogies overlap; check "
+                     "both (the wheelbase is that of one bogie)",
                      whole.wheelbase));
   s.rule(
       "length", reach <= whole.length,
