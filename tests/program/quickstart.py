@@ -77,10 +77,10 @@ def check_ends(made):
         # Pads of 120 MN/m and ballast of 60 times the factor of the zone.
         pad, ballast = 120e6, 60e6 * (1.9, 0.42)[end]
         whole = (springs / stones)**(4 / 3) / (1 / pad + 1 / ballast)
-        factor = 1 / (1 / whole - 1 / pad) / ballast
+        bed = 1 / (1 / whole - 1 / pad) / 60e6
         text, = (each for each in warnings if f"at the {where} of the bed" in each)
         stated = [f"{stones:.2g} mm above the", f"{springs:.2g} mm above the",
-                f"about {factor:.2g} times as stiff"]
+                f"`bed` of about {bed:.2g} instead of"]
         if not all(words in text for words in stated):
             raise SystemExit(f"{stones} mm on stones and {springs} mm on springs: {text}")
 

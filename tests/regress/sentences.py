@@ -178,6 +178,9 @@ WARNED = {"stage.passage.ground_moves=false":
               "holds the ground, which moves in a stage before: it keeps its deformation",
           "stage.load.settlement=0.2": "usual values (at most 0.002 m)",
           f"{TRAIN} train.speed=120": "usual values (1 to 100 m/s)",
+          f"{TRAIN} stage.load.load=4e6": "more than 5 times the largest static load",
+          f"{TRAIN} output.fields=true output.fields_interval=60":
+              "hardly any file shows the train",
           f"{TRAIN} stage.load.load=4e3": "loads each sleeper by 4 kN together with seat_force",
           f"{TRAIN} bed.x=[0,2.4] ground.x=[0,2.4]":
               "leaves 1.5 m of the bed (x = 0 to 2.4 m) behind the last sleeper bare",
@@ -222,7 +225,7 @@ WARNED = {"stage.passage.ground_moves=false":
           "load.speed=100": "usual values (0.1 to 98 m/s)",
           "stage.load.load=2": "is negligible for a rail seat (below 100 N); is it in N?",
           "ground.base_stiffness=40": "is it in Pa/m?",
-          "ground.rayleigh_mass=1e9": "usual values (at most 10000 1/s)",
+          "ground.rayleigh_mass=1e9": "usual values (at most 100 1/s)",
           "ground.layer.soil.cohesion=5e3": 'must be "mohr_coulomb" for cohesion, angles',
           "ground.rayleigh_stiffness=0.05": "usual values (at most 0.01 s); is its unit right?",
           "ground.layer.soil.rayleigh_stiffness=0.05":
@@ -248,6 +251,12 @@ WARNED = {"stage.passage.ground_moves=false":
           "output.ground_extremes=true": "has no effect without fields = true",
           'output.fields_stages=["load"]': "has no effect without fields = true",
           "time.step=1e-9": "less than a thousandth of the stable step",
+          "stage.sleepers.height=0.15 stage.sleepers.profile=0.1":
+              "is not above the lower faces of the sleepers",
+          "contact.0.friction=0": "stones without friction do not carry sleepers",
+          "material.ballast.density=1600": "is it the bulk density of the ballast?",
+          "dem.gravity=0": "is not that of the earth, 9.81 m/s2",
+          'sleepers.free=["x"]': "their loads do not reach the bed",
           "stage.sleepers.height=0.25": "puts the sleepers above the bed",
           "region.below.x=[-0.5,0.5]": "reaches beyond the bed: the volume",
           "stage.load.growth=0.01": "has no effect: it is for stages of kind fill",

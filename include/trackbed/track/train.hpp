@@ -88,6 +88,8 @@ class Train {
   const LinearSystem& system() const { return system_; }
   const Vector& weight() const { return weight_; }  // N on each unknown, upwards
   const std::vector<Wheel>& wheels() const { return wheels_; }
+  // N, the largest load of a wheel at rest on even track; 0 without wheels.
+  double largest_static_load() const;
   const std::vector<VehicleParameters>& vehicles() const { return vehicles_; }
   // First unknown of each vehicle: body height (and pitch) come first.
   const std::vector<std::int32_t>& first_unknown() const { return first_; }

@@ -389,7 +389,7 @@ void GroundParameters::declare_shape(Section& s) {
 }
 
 void GroundParameters::declare_steps(Section& s) {
-  s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0, .usually_to = 1e4},
+  s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0, .usually_to = 100},
            "Coefficient of mass-proportional Rayleigh damping.");
   s.number("rayleigh_stiffness", rayleigh_stiffness,
            {.unit = "s", .at_least = 0, .at_most = 1e3, .usually_to = longest_usual},

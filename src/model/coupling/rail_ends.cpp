@@ -30,19 +30,31 @@ double displacement_above(const track::TrainOnBed& train, std::size_t sleeper) {
   return sum / static_cast<double>(line.sides());
 }
 
-// Factor by which ballast springs must change so that they and the pads together become `times` as
-// stiff; below 0: none. The mean of sleepers of one end.
-double ballast_factor(const track::LineParameters& line, std::size_t first, double times) {
-  double sum = 0;
+// `bed` of zones, mean of sleepers of one end: as it is, and as it must be so that ballast springs
+// and pads together become `times` as stiff; the latter is below 0 if no value does it.
+struct Factors {
+  double now = 0, wanted = 0;
+};
+
+Factors bed_factors(const track::LineParameters& line, std::size_t first, double times) {
+  Factors mean;
   for (std::size_t k = 0; k < count; ++k) {
     const double x = line.track.sleeper_x(first + k);
     const double pad = line.pad.stiffness * line.track.factor(&track::TrackZone::pad, x, 0);
-    const double ballast = line.ballast.stiffness * line.track.factor(&track::TrackZone::bed, x, 0);
+    const double bed = line.track.factor(&track::TrackZone::bed, x, 0);
+    const double ballast = line.ballast.stiffness * bed;
     const double wanted = 1 / ((1 / pad + 1 / ballast) / times - 1 / pad);
-    if (!(wanted > 0) || !std::isfinite(wanted)) return -1;
-    sum += wanted / ballast;
+    if (!(wanted > 0) || !std::isfinite(wanted)) return {bed, -1};
+    mean.now += bed / count;
+    mean.wanted += wanted / line.ballast.stiffness / count;
   }
-  return sum / count;
+  return mean;
+}
+
+std::string remedy(const Factors& bed, bool stiffer) {
+  if (bed.wanted < 0) return stiffer ? "make the springs stiffer" : "make the springs softer";
+  return fmt::format("give `bed` of about {:.2g} instead of {:.3g} in the [[track.zone]] there",
+                     bed.wanted, bed.now);
 }
 
 }  // namespace
@@ -90,16 +102,15 @@ std::vector<std::string> RailEnds::warnings(const track::LineParameters& line, s
     if (on_stones < least || on_springs < least) continue;
     const double ratio = on_springs / on_stones;
     if (ratio <= different && ratio >= 1 / different) continue;
-    const double factor = ballast_factor(line, springs, std::pow(ratio, 4.0 / 3));
+    const Factors bed = bed_factors(line, springs, std::pow(ratio, 4.0 / 3));
     sentences.push_back(fmt::format(
         "the track on springs does not match the bed: at the {} of the bed the rail deflects under "
         "the train by {:.2g} mm above the {} {} sleepers on stones and by {:.2g} mm above the {} "
-        "ones on springs (ratio {:.2g}, usually at most {:g}); if they are not meant to be a "
-        "transition, make the springs {} (`bed` of a [[track.zone]], or ballast.stiffness)",
+        "ones on springs (ratio {:.3g}, usually at most {:g}); if they are not meant to be a "
+        "transition, {}",
         end == 0 ? "start" : "end", 1e3 * on_stones, end == 0 ? "first" : "last", count,
         1e3 * on_springs, end == 0 ? "previous" : "next", std::max(ratio, 1 / ratio), different,
-        factor > 0 ? fmt::format("about {:.2g} times as stiff", factor)
-                   : std::string(ratio > 1 ? "stiffer" : "softer")));
+        remedy(bed, ratio > 1)));
   }
   return sentences;
 }

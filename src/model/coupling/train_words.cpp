@@ -35,9 +35,4 @@ std::vector<std::string> lines_of_vehicles(const track::Train& train, bool rolls
   return lines;
 }
 
-double static_load(const track::Train& train) {
-  const track::Train::Wheel& first = train.wheels().front();
-  return first.unknown < 0 ? first.force : first.mean_load;
-}
-
 }  // namespace trackbed::model

@@ -11,7 +11,4 @@ namespace trackbed::model {
 // One line for each kind of vehicle; `rolls`: on two rails.
 std::vector<std::string> lines_of_vehicles(const track::Train& train, bool rolls);
 
-// N, of the first wheel: its constant force, or its part of the vehicle's weight.
-double static_load(const track::Train& train);
-
 }  // namespace trackbed::model

@@ -82,6 +82,40 @@ void declare_layers(const Model& model, input::Section& s) {
            {.severity = input::Severity::warning, .reads = {"stage", "bed.layer"}});
 }
 
+// Values of a bed below sleepers that are rarely meant: they leave out what carries a track.
+void declare_ballast(const Model& model, input::Section& s) {
+  if (!model.has_bed() || !model.uses_sleepers()) return;
+  const input::About about{.severity = input::Severity::warning,
+                           .reads = {"contact", "material", "bed", "sleepers", "dem", "stage"}};
+  const std::string& stones = model.bed.material;
+  for (std::size_t i = 0; i < model.physics.laws.size(); ++i) {
+    const dem::ContactLaw& law = model.physics.laws[i];
+    const auto carries = [&](const std::string& name) {
+      return name == stones || name == model.sleepers.material;
+    };
+    s.rule(fmt::format("contact[{}].friction", i),
+           law.friction > 0 || !carries(law.first) || !carries(law.second),
+           "stones without friction do not carry sleepers", about);
+  }
+  constexpr double rock = 1900;  // kg/m3, below that of any rock used as ballast
+  const int material = model.material(stones);
+  if (material >= 0)
+    s.rule(fmt::format("material[{}].density", material),
+           model.physics.materials[static_cast<std::size_t>(material)].density >= rock,
+           "is less than that of rock, 2400 to 3200 kg/m3; is it the bulk density of the ballast?",
+           about);
+  constexpr double low = 9, high = 10.5;  // m/s2
+  s.rule("dem.gravity", model.dem.gravity >= low && model.dem.gravity <= high,
+         fmt::format("is not that of the earth, {:g} m/s2: stones and sleepers have another weight",
+                     gravity),
+         about);
+  const auto& free = model.sleepers.free;
+  s.rule("sleepers.free", std::find(free.begin(), free.end(), "z") != free.end(),
+         "does not contain z: the sleepers do not move vertically, and their loads do not reach "
+         "the bed",
+         about);
+}
+
 // A complete slope needs slope * height of horizontal run beside the crest; with less, it ends at a
 // wall of the bed.
 void declare_profile(const Model& model, input::Section& s) {

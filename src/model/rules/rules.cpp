@@ -391,6 +391,7 @@ void declare_rules(const Model& model, input::Section& s) {
   declare_stages(model, s);
   declare_layers(model, s);
   declare_profile(model, s);
+  declare_ballast(model, s);
   declare_materials(model, s);
   declare_ground_below(model, s);
   declare_ground_sides(model, s);

@@ -51,8 +51,9 @@ void declare_regions(const Model& model, input::Section& s);
 // Names of sensors, and whether there can be something to read at their places.
 void declare_fields(const Model& model, input::Section& s);
 void declare_sensors(const Model& model, input::Section& s);
-// Which layers of the bed are poured, and whether its outline is possible.
+// Which layers of the bed are poured, whether its outline is possible and its ballast plausible.
 void declare_layers(const Model& model, input::Section& s);
 void declare_profile(const Model& model, input::Section& s);
+void declare_ballast(const Model& model, input::Section& s);
 
 }  // namespace trackbed::model

@@ -185,6 +185,13 @@ void declare_heights(const Model& model, input::Section& s) {
                        "{:g} times its height)",
                        bed, above),
            {.severity = input::Severity::warning, .reads = {sleepers, "bed"}});
+    s.rule(fmt::format("stage[{}].profile", i),
+           !places || stage.profile == 0 || stage.height == 0 || stage.profile > stage.height,
+           fmt::format("is not above the lower faces of the sleepers (height = {:g} m): it removes "
+                       "the ballast beside and below them; the top of the sleepers is at {:.4g} m",
+                       stage.height, stage.height + model.sleepers.height),
+           {.severity = input::Severity::warning,
+            .reads = {sleepers, fmt::format("stage[{}].profile", i), "sleepers"}});
     const double stone = model.bed.sieve.empty() ? 0 : 1e-3 * model.bed.sieve.back();  // mm
     const std::string key = fmt::format("stage[{}].height", i);
     s.rule(key, !places || stage.height == 0 || stage.height >= stone,

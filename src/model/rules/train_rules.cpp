@@ -175,15 +175,13 @@ void declare_ends(const Model& model, input::Section& s) {
 // A rail distributes the load of a wheel over several sleepers; that below it carries a third to
 // two thirds. A bed that was loaded by less than it is to carry settles under the train.
 void declare_bedding_in(const Model& model, input::Section& s) {
-  constexpr double least = 0.3;  // of the load of a wheel
+  constexpr double least = 0.6, most = 5;  // of the load of a wheel
   if (!train_of(model.track)) return;
   const track::TrackParameters& line = model.track.line.track;
   const track::Train train(model.track.train, model.track.vehicles, line.rails, line.wheel_gauge());
-  double wheel = 0;  // N
-  for (const track::Train::Wheel& each : train.wheels())
-    wheel = std::max(wheel, each.unknown < 0 ? each.force : each.mean_load);
-  wheel *= model.seat.rails;  // of those that a sleeper of the model carries
-  double loaded = 0;          // N
+  // N, of the wheels that a sleeper of the model carries
+  const double wheel = train.largest_static_load() * model.seat.rails;
+  double loaded = 0;  // N
   std::size_t last = 0;
   bool passed = false;  // by the axles of [load], whose size is not compared
   for (std::size_t i = 0; i < model.stages.size() && !model.stages[i].train; ++i) {
@@ -197,12 +195,20 @@ void declare_bedding_in(const Model& model, input::Section& s) {
          "no stage of kind load comes before the first train: the bed has not been bedded in and "
          "settles under the train",
          {.severity = input::Severity::warning, .reads = {"stage", "start"}});
-  s.rule(fmt::format("stage[{}].load", last), loaded == 0 || loaded >= least * wheel,
+  const std::string key = fmt::format("stage[{}].load", last);
+  const input::About about{.severity = input::Severity::warning,
+                           .reads = {"stage", "train", "vehicle", "track"}};
+  s.rule(key, loaded == 0 || loaded >= least * wheel,
          fmt::format("loads each sleeper by {:.3g} kN together with seat_force, less than {:g} "
                      "times the largest static load of the wheels above it, {:.3g} kN: the train "
                      "brings more, and the bed settles under it",
                      loaded / 1e3, least, wheel / 1e3),
-         {.severity = input::Severity::warning, .reads = {"stage", "train", "vehicle", "track"}});
+         about);
+  s.rule(key, loaded <= most * wheel,
+         fmt::format("loads each sleeper by {:.3g} kN together with seat_force, more than {:g} "
+                     "times the largest static load of the wheels above it, {:.3g} kN; is it in N?",
+                     loaded / 1e3, most, wheel / 1e3),
+         about);
 }
 
 // A ground that never moves supports the stones like a floor, whatever its layers are; local
@@ -340,6 +346,12 @@ void declare_warnings(const Model& model, input::Section& s) {
                   "{:.2g} s",
                   between, bed.spacing, bed.spacing / 2 / fastest),
       {.severity = input::Severity::warning, .reads = {"output", "train", "sleepers", "stage"}});
+  const double passing = track.length / std::max(fastest, 1e-9);  // s, of an axle
+  s.rule("output.fields_interval", !model.output.fields || model.output.fields_interval < passing,
+         fmt::format("is longer than an axle takes over the track, {:.3g} s: hardly any file shows "
+                     "the train; a film has at least 100 files ({:.2g} s)",
+                     passing, passing / 100),
+         {.severity = input::Severity::warning, .reads = {"output", "train", "track", "stage"}});
   const TrackOutput none;
   const TrackOutput& passage = model.track.passage;
   const auto unused = [&](const char* key, bool given_one, const char* instead) {

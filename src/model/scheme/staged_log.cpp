@@ -73,11 +73,11 @@ void say_model(World& world, const std::string& name) {
   for (const std::string& line : lines_of_vehicles(train, track.dimension == Dimension::space))
     say(comm, line);
   say_values(comm,
-             "  train: {} at {:.2f} km/h{}, static load of the first wheel {:.2f} kN; {:g} m of "
+             "  train: {} at {:.2f} km/h{}, largest static wheel load {:.2f} kN; {:g} m of "
              "rail; {} sleepers on springs before the "
              "bed; the sleepers of the bed carry {:g} rail{}",
              fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6,
-             model.track.train.times.empty() ? "" : " at first", static_load(train) / 1e3,
+             model.track.train.times.empty() ? "" : " at first", train.largest_static_load() / 1e3,
              track.length, model.seat.before, model.seat.rails, model.seat.rails == 1 ? "" : "s");
 }
 

@@ -255,8 +255,11 @@ std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
     if (settlement_.last() >= 0 && settlement_.last() <= stage.settlement) return std::string{};
     return fmt::format(
         "the largest settlement of a sleeper in the last cycle is {:.3g} mm; required: at most "
-        "{:g} mm (stage.settlement); give more cycles",
-        1e3 * settlement_.last(), 1e3 * stage.settlement);
+        "{:g} mm (stage.settlement); give more cycles{}",
+        1e3 * settlement_.last(), 1e3 * stage.settlement,
+        stage.kind == StageKind::load ? " in a longer stage.duration, or load with less "
+                                        "stage.friction"
+                                      : "");
   }
   if (!ends_at_rest(stage)) return std::nullopt;
   const dem::Totals totals = world_.particles.totals();

@@ -29,7 +29,7 @@ constexpr double usual_damping = 100;
 void PadParameters::declare(input::Section& s) {
   auto fixed = s.fixed_by(input::state::solid_rails);
   s.number("stiffness", stiffness,
-           {.unit = "N/m", .above = 0, .usually_from = 1e6, .usually_to = 1e10},
+           {.unit = "N/m", .above = 0, .usually_from = 1e7, .usually_to = 1e10},
            "Stiffness of the rail pads at one rail seat.");
   fixed.end();
   s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e6},

@@ -191,6 +191,13 @@ Train::Train(const TrainParameters& parameters, const std::vector<VehicleParamet
   weight_ = builder.weight();
 }
 
+double Train::largest_static_load() const {
+  double largest = 0;
+  for (const Wheel& wheel : wheels_)
+    largest = std::max(largest, wheel.unknown < 0 ? wheel.force : wheel.mean_load);
+  return largest;
+}
+
 // The last axle need not be the last wheel of the list: axle forces may be in any order.
 double Train::axle_distance() const {
   double last = 0;
