@@ -13,7 +13,7 @@ from trackbed_post import (bed_figures, bed_histories, bed_warnings, figure_csv,
                            read, shades, signals, sleeper_histories, stage_histories, support,
                            support_figure, write, zones)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
-from trackbed_post.panels import UP, legend_below, mark_ends, wrapped
+from trackbed_post.panels import END, HIDDEN, UP, legend_below, mark_ends, wrapped
 
 FILTER = signals.LowPass()
 SHOWN_HZ = 20         # least upper end of the spectra
@@ -49,10 +49,10 @@ def envelope(runs):
                    label=f"ground surface, {run.name}")
         if "displacement_min" in run.sleeper_envelope:
             lowest = run.sleeper_envelope["displacement_min"].values * 1e3
-            upper.plot(run.sleepers_x, lowest, "o-", color=colour, lw=1, ms=4,
-                       label=f"sleepers, {run.name}")
-            mark_ends(upper, run.sleepers_x, lowest, ground_blocks.ends(run), colour,
-                      run is runs[-1])
+            line, = upper.plot(run.sleepers_x, lowest, "o-", color=colour, lw=1, ms=4,
+                               label=f"sleepers, {run.name}")
+            mark_ends(upper, line, ground_blocks.ends(run),
+                      END if run is runs[-1] else HIDDEN)
         text.append(f"run {run.name}: {judgement.shown(-np.min(ground))} mm")
     for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
         mark_blocks(panel, runs[0])

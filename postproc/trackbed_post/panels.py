@@ -6,6 +6,7 @@ import textwrap
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.transforms import IdentityTransform, ScaledTranslation
 
 LINES = ("-", "--", "-.", ":")  # of runs in turn
@@ -13,6 +14,9 @@ MARKERS = "osv^DP*X"            # of measured curves, or of axles, in turn
 UP = "mm, up positive"  # of displacements on axes; docs/postproc.md states what is down positive
 LETTER = 0.55           # mean width of a letter, as a part of the size of letters
 HANDLE = 4.8            # of this size: width of line and gaps of a column of a legend
+END = "end of the bed (hollow)"
+HIDDEN = "_"            # a label that no legend shows
+TITLE_PAD = 7           # points, from a title to what is below it
 BELOW_LABELS = 0.5      # inches, from a panel to what is below the labels of its x axis
 
 
@@ -22,12 +26,13 @@ def axle(wheel: int, two_rails: bool) -> str:
         else f"axle {wheel + 1}"
 
 
-def mark_ends(panel: Axes, x: np.ndarray, values: np.ndarray, ends: np.ndarray,
-              colour: str, name: bool = True) -> None:
-    """Hollow marks over the values of sleepers at the ends of a bed; `name`: in the legend."""
+def mark_ends(panel: Axes, line: Line2D, ends: np.ndarray, label: str) -> None:
+    """Hollow marks over those that a line has at the sleepers at the ends of a bed; `label`: END,
+    or HIDDEN where the legend has it already."""
     if ends.any():
-        panel.plot(x[ends], values[ends], "o", color=colour, ms=3, mfc="white", mew=0.8, zorder=3,
-                   label="end of the bed (hollow)" if name else "_")
+        panel.plot(np.asarray(line.get_xdata())[ends], np.asarray(line.get_ydata())[ends], ls="",
+                   marker=str(line.get_marker()), color=line.get_color(), ms=3, mfc="white",
+                   mew=0.8, zorder=3, label=label)
 
 
 def wrapped(text: str, wide: float, size: float = 10) -> str:
@@ -51,6 +56,15 @@ def legend_above(panel: Axes, columns: int = 4, size: float = 8) -> None:
                              panel.bbox.width / panel.figure.dpi, size)
     panel.legend(loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.2, ncols=columns,
                  fontsize=size, frameon=False)
+
+
+def title_above(panel: Axes, text: str, size: float = 10) -> None:
+    """A title above the legend of legend_above()."""
+    legend, figure = panel.get_legend(), panel.figure
+    high = 0.0
+    if legend is not None:
+        high = legend.get_window_extent(figure.canvas.get_renderer()).height
+    panel.set_title(text, fontsize=size, pad=high * 72 / figure.dpi + TITLE_PAD)
 
 
 def legend_below(panel: Axes, columns: int = 2, size: float = 8,

@@ -45,14 +45,12 @@ def draw(runs):
         for number, (of, what) in enumerate(((found.bed, "bed alone"), (found.whole, both))):
             stiff.plot(run.sleepers_x, of / 1e6, style, marker="o", ms=3, lw=1, color=f"C{number}",
                        label=f"{run.name}, {what}")
-        line, = gaps.plot(run.sleepers_x, found.gap * 1e3, style, marker="o", ms=3, lw=1,
-                          label=run.name)
-        last = run is runs[-1]
-        for panel, values, colour in ((stiff, found.bed / 1e6, "C0"),
-                                      (stiff, found.whole / 1e6, "C1"),
-                                      (gaps, found.gap * 1e3, line.get_color())):
-            panels.mark_ends(panel, run.sleepers_x, values, found.ends, colour,
-                             last and colour != "C0")
+        gaps.plot(run.sleepers_x, found.gap * 1e3, style, marker="o", ms=3, lw=1, label=run.name)
+        name = panels.END if run is runs[-1] else panels.HIDDEN
+        bed, whole = stiff.lines[-2:]
+        panels.mark_ends(stiff, bed, found.ends, panels.HIDDEN)
+        panels.mark_ends(stiff, whole, found.ends, name)
+        panels.mark_ends(gaps, gaps.lines[-1], found.ends, name)
         text.append(panels.wrapped(f"{run.name}: {found.words()}", COLUMN))
     beside = " relative to the ground" if any(map(measures.has_ground, runs)) else ""
     loops.set_xlabel(f"sleeper lowered{beside} (mm)")

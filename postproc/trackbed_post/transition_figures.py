@@ -14,6 +14,10 @@ from trackbed_post.zones import REACHED
 STYLES = tuple({"color": colour, "ls": line}
                for colour, line in zip(("#0b559f", "#d95f02"), panels.LINES))
 WRAP = 118           # characters of a line below transition.png
+LIGHT = 0.3          # opacity of the rail where it is not judged
+TITLES = ("Lowest level of rail and sleepers under the train",
+          "Settlement of the sleepers into the bed after the train",
+          "Largest wheel force along the track")
 NEAR = 2.0           # m, shown around a transition
 BETWEEN = 2.68       # inches, of the texts between both panels of the model above its lower edge
 
@@ -66,35 +70,56 @@ def wrapped(text):
     return "\n".join(textwrap.fill(line, WRAP) for line in text.splitlines())
 
 
+def draw_train(force, level, settled, train, style):
+    """The curves of a run. Sleepers at the ends of the bed, which are not judged, have hollow marks
+    and the rail above them a lighter line."""
+    x, ends = train.run.sleepers_x, ground_blocks.at_ends(len(train.run.sleepers_x), True)
+    rail = -1e3 * train.rail_down()
+    each = np.count_nonzero(ends) // 2 + 1  # up to the first sleeper that is judged
+    for part in (slice(each), slice(-each, None)):
+        level.plot(x[part], rail[part], lw=2, alpha=LIGHT, label=panels.HIDDEN, **style)
+    level.plot(x[~ends], rail[~ends], lw=2, label=f"rail, {train.name}", **style)
+    sleepers, = level.plot(x, -1e3 * train.sleeper_down(), lw=1, marker="o", ms=3,
+                           label=f"sleepers, {train.name}", **style)
+    into_bed, = settled.plot(x, -1e3 * train.settlement(), lw=1.2, marker="s", ms=3,
+                             label=train.name, **style)
+    for panel, line in ((level, sleepers), (settled, into_bed)):
+        panels.mark_ends(panel, line, ends, panels.HIDDEN)
+    place, most = train.largest_force()
+    force.plot(place, 1e-3 * most, lw=1.3, label=train.name, **style)
+
+
+def name_axes(force, level, settled):
+    """Labels of the axes, and the entry for what is not judged, the same for all runs."""
+    for panel, marker in ((level, "o"), (settled, "s")):
+        panel.plot([], [], ls="", marker=marker, ms=3, color="0.2", mfc="white", mew=0.8,
+                   label="not judged (ends of the bed)")
+    level.set_ylabel(f"lowest level,\n{panels.UP}")
+    settled.set_ylabel(f"settlement into\nthe bed, {panels.UP}")
+    force.set_ylabel("largest wheel force\nof all axles, kN")
+    force.set_xlabel("x along the track, m")
+
+
 def compare(trains, changes, sentence):
-    """Three panels along the track, all designs in each."""
+    """Three panels along the track, all designs in each: that with the answer first."""
     stretches = ground_blocks.stretches(trains[0].run)
-    figure, (force, level, settled) = plt.subplots(
-        3, 1, figsize=(10, 9.6), sharex=True, gridspec_kw={"height_ratios": (1, 1.4, 0.8)})
+    figure, (level, settled, force) = plt.subplots(
+        3, 1, figsize=(10, 9.6), sharex=True, gridspec_kw={"height_ratios": (1.4, 0.8, 1)})
     for train, style in zip(trains, STYLES):
-        x = train.run.sleepers_x
-        force.plot(*(value * factor for value, factor in zip(train.largest_force(), (1, 1e-3))),
-                   lw=1.3, label=train.name, **style)
-        level.plot(x, -1e3 * train.rail_down(), lw=2, label=f"rail, {train.name}", **style)
-        level.plot(x, -1e3 * train.sleeper_down(), lw=1, marker="o", ms=3,
-                   label=f"sleepers, {train.name}", **style)
-        settled.plot(x, -1e3 * train.settlement(), lw=1.2, marker="s", ms=3, label=train.name,
-                     **style)
+        draw_train(force, level, settled, train, style)
     mean = 1e-3 * trains[0].mean_force()
     force.axhline(mean, color="0.3", lw=0.8, label=f"mean over the bed, {judgement.shown(mean)}")
     if changes:
         mark_judged(level, trains, changes)
         mark_places(force, level, trains, changes)
         bracket_zones(level, trains[0], changes[0].zone)
-    force.set_ylabel("largest wheel force\nof all axles, kN")
-    level.set_ylabel(f"lowest level under the train,\n{panels.UP}")
-    settled.set_ylabel(f"settlement into\nthe bed, {panels.UP}")
-    settled.set_xlabel("x along the track, m")
+    name_axes(force, level, settled)
     figure.suptitle(model_drawing.heading(trains[0].run), fontsize=11)
-    for panel in (force, level, settled):
+    for panel, title in zip((level, settled, force), TITLES):
         shades.shade(panel, stretches)
         panel.grid(alpha=0.3)
         panels.legend_above(panel)
+        panels.title_above(panel, title)
     shades.name(level, stretches, note_of(trains))
     text = wrapped(sentence)
     below = 0.18 * (text.count("\n") + 1)  # inches

@@ -124,7 +124,7 @@ def test_names_of_parts_do_not_cover_their_brackets(monkeypatch):
     trains, changes = pair()
     figure = transition_figures.compare(trains, changes, "A verdict.")
     figure.canvas.draw()
-    panel = figure.axes[1]
+    panel = figure.axes[0]
     brackets = [line for line in panel.lines if line.get_transform() != panel.transData
                 and len(line.get_xdata()) == 4]
     names = [text for text in panel.texts if text.get_position()[1] < 0.1]
@@ -133,6 +133,31 @@ def test_names_of_parts_do_not_cover_their_brackets(monkeypatch):
         line, text = bracket.get_window_extent(), name.get_window_extent()
         assert text.y0 >= line.y1 and line.x0 <= text.x0 and text.x1 <= line.x1
     assert panel.texts[-1].get_text() == "wedge\n(with wedge)"
+    plt.close(figure)
+
+
+def test_the_answer_is_in_the_first_panel_and_ends_of_the_bed_are_marked(monkeypatch):
+    monkeypatch.setattr(model_drawing, "heading", lambda run: "made")
+    trains, changes = pair()
+    figure = transition_figures.compare(trains, changes, "A verdict.")
+    figure.canvas.draw()
+    titles = [panel.get_title() for panel in figure.axes]
+    assert [title.split()[:2] for title in titles] == [
+        ["Lowest", "level"], ["Settlement", "of"], ["Largest", "wheel"]]
+    ends = test_transition.X[[0, 1, 2, -3, -2, -1]]
+    for panel in figure.axes[:2]:
+        hollow = [line for line in panel.lines if len(line.get_xdata()) == len(ends)
+                  and line.get_markerfacecolor() == "white"]
+        assert len(hollow) == 2 and hollow[0].get_xdata() == pytest.approx(ends)
+        words = [text.get_text() for text in panel.get_legend().texts]
+        assert words.count("not judged (ends of the bed)") == 1
+    rail = next(line for line in figure.axes[0].lines if line.get_label() == "rail, with wedge")
+    assert rail.get_xdata()[[0, -1]] == pytest.approx(test_transition.X[[3, -4]])
+    for light, part in zip(figure.axes[0].lines, (slice(4), slice(-4, None))):
+        assert light.get_alpha() < 1
+        assert light.get_xdata() == pytest.approx(test_transition.X[part])
+    for panel in figure.axes:
+        assert not panel.title.get_window_extent().overlaps(panel.get_legend().get_window_extent())
     plt.close(figure)
 
 

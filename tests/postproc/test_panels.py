@@ -63,7 +63,7 @@ def test_legends_are_outside_of_the_curves(runs, monkeypatch):
 
 
 def test_displacements_on_axes_are_up_positive(runs, monkeypatch):
-    _, level, settled = drawn_transition(monkeypatch).axes
+    level, settled, _ = drawn_transition(monkeypatch).axes
     upper, lower = bed_on_ground.envelope(runs).axes
     for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
         ends = ["end of the bed (hollow)"] * (panel is upper)
@@ -82,7 +82,7 @@ def test_displacements_on_axes_are_up_positive(runs, monkeypatch):
 
 def test_marks_and_brackets_are_no_data_of_a_figure(monkeypatch):
     figure = drawn_transition(monkeypatch)
-    panel = figure.axes[1]
+    panel = figure.axes[0]
     train = train_strip.Train(np.arange(5.0), np.arange(5.0)[:, None])
     train_strip.mark(panel, train, train_strip.Place(2.5, "x = 2.5 m", "C0"))
     assert sum(line.get_transform() != panel.transData for line in panel.lines) == 4
