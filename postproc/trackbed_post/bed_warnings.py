@@ -17,9 +17,11 @@ SETTLES = support.HANGS
 @dataclasses.dataclass(frozen=True)
 class BedWarning:
     """Why a difference between two runs may have other causes than what they differ by: the cause
-    in a few words, and a sentence with quantity, value, limit and remedy."""
+    in a few words, and a sentence with quantity, value, limit and remedy. `count`: of the sleepers
+    that the cause is about, the words before it."""
     cause: str
     sentence: str
+    count: str = ""
 
 
 def warnings_of(run: read.Results, changing: float | None = None) -> list[BedWarning]:
@@ -49,9 +51,33 @@ def of(run: read.Results, changing: float | None = None) -> list[str]:
 
 
 def why_no_verdict(named: collections.abc.Iterable[tuple[str, read.Results]]) -> str:
-    """The causes in runs with their names, for a sentence; empty if there are none."""
-    found = [(name, [one.cause for one in warnings_of(run)]) for name, run in named]
-    return "; ".join(f"{', '.join(causes)} (run {name})" for name, causes in found if causes)
+    """The causes in runs with their names, each once, for a sentence; empty if there are none."""
+    found: dict[str, dict[str, list[str]]] = {}  # cause -> count -> names
+    for name, run in named:
+        for one in warnings_of(run):
+            found.setdefault(one.cause, {}).setdefault(one.count, []).append(name)
+    return "; ".join(_cause_in_runs(cause, names) for cause, names in found.items())
+
+
+def runs_of(names: list[str]) -> str:
+    """run a; runs a and b."""
+    return f"run{'s' if len(names) > 1 else ''} {ground_blocks.joined(names)}"
+
+
+def _cause_in_runs(cause: str, names: dict[str, list[str]]) -> str:
+    """3 of 31 sleepers hang (run a), 5 of 31 (run b)."""
+    first, *others = [(count, runs_of(same)) for count, same in names.items()]
+    return ", ".join([f"{' '.join(filter(None, (first[0], cause)))} ({first[1]})",
+                      *(f"{count} ({runs})" for count, runs in others)])
+
+
+def once(named: collections.abc.Iterable[tuple[str, collections.abc.Iterable[str]]]) -> list[str]:
+    """Sentences of runs with their names, each once, behind the runs for which it holds."""
+    found: dict[str, list[str]] = {}
+    for name, lines in named:
+        for line in dict.fromkeys(lines):
+            found.setdefault(line, []).append(name)
+    return [f"{ground_blocks.joined(names)}: {line}" for line, names in found.items()]
 
 
 def _of_hanging(run: read.Results) -> list[BedWarning]:
@@ -60,11 +86,11 @@ def _of_hanging(run: read.Results) -> list[BedWarning]:
     if not hangs.any():
         return []
     places = ", ".join(f"{x:.2f}" for x in run.sleepers_x[hangs])
-    cause = f"{np.count_nonzero(hangs)} of {len(hangs)} sleepers hang"
+    count, cause = f"{np.count_nonzero(hangs)} of {len(hangs)}", "sleepers hang"
     return [BedWarning(cause, (
-        f"{cause} in the {run.passage_name()} (gap above {1e3 * support.HANGS:g} mm, at x = "
-        f"{places} m): levels and forces near them are those of a track with voids; "
-        f"{remedies(run)}"))]
+        f"{count} {cause} in the {run.passage_name()} (gap above {1e3 * support.HANGS:g} mm, at x "
+        f"= {places} m): levels and forces near them are those of a track with voids; "
+        f"{remedies(run)}"), count)]
 
 
 def _loads_before(run: read.Results) -> list[read.Deck]:

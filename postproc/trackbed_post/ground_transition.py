@@ -234,8 +234,11 @@ def effects(runs: Runs, unsound: str = "") -> list[str]:
         return []
     if why := judgement.why_no_comparison(*runs):
         return [f"no comparison: {why}"]
-    return effect(found[0], found[1], measures.spacing(runs[0]), judgement.why_no_pair(*runs),
-                  unsound)
+    no_pair = judgement.why_no_pair(*runs)
+    reasons = [f"no verdict, since {unsound}"] if unsound else \
+        [f"no verdict: {no_pair}"] if no_pair else []
+    return reasons + effect(found[0], found[1], measures.spacing(runs[0]),
+                            judgement.measure_words(*runs), not unsound)
 
 
 def differences(first: Transition, second: Transition, spacing: float) -> dict[str, Difference]:
@@ -274,10 +277,10 @@ STEEPEST = "steepest slope of the ground, whole line"
 JUMP = "change of the stress jump relative to the mean stress at the edge"
 
 
-def effect(first: Transition, second: Transition, spacing: float, no_pair: str = "",
-           unsound: str = "") -> list[str]:
-    """Messages on the differences between two runs; `no_pair`: why they do not differ by a wedge in
-    the first one only, `unsound`: why these beds have no verdict."""
+def effect(first: Transition, second: Transition, spacing: float, measure: str,
+           sound: bool) -> list[str]:
+    """Messages on the differences between two runs; `measure`: what only the first one has
+    (judgement.py), `sound`: whether these beds have a verdict."""
     lines = []
     far = Difference(first.far_displacement, second.far_displacement, 0, "mm", 1e3).change
     differs = abs(far) > CLEAR
@@ -288,12 +291,12 @@ def effect(first: Transition, second: Transition, spacing: float, no_pair: str =
         lines.append(f"ground displacement on {plain_track((first, second))}: {far:+.0%}: " + (
             f"differs by more than {CLEAR:.0%}, although {nothing}: the runs are not comparable"
             if differs else
-            f"equal within {CLEAR:.0%}" + ("" if unsound else ", so the runs are comparable")))
+            f"equal within {CLEAR:.0%}" + (", so the runs are comparable" if sound else "")))
     for what, found in differences(first, second, spacing).items():
         if np.isfinite(found.change):
             # The width refers to the plain track and is meaningless if that differs.
-            unclear = differs and found.beside != judgement.PLAIN and not unsound
-            lines.append(f"{_named(what, found)}: {found.change:+.0%}: " + (
-                "no verdict, since the plain tracks differ" if unclear else
-                found.words(not no_pair, unsound, no_pair)))
+            unclear = differs and found.beside != judgement.PLAIN
+            lines.append(f"{_named(what, found)}: {found.change:+.0%}" + (
+                "" if not sound else ": no verdict, since the plain tracks differ" if unclear else
+                f": {found.words(measure)}"))
     return lines

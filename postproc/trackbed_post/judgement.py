@@ -60,6 +60,15 @@ def why_no_pair(first: read.Results, second: read.Results) -> str:
     return f"{NO_PAIR}; here both have the same blocks: {blocks}"
 
 
+def measure_words(first: read.Results, second: read.Results) -> str:
+    """What only the first run has, behind "expected of"; empty if the runs differ in another way. A
+    slab is not called a wedge, although the same is expected of it."""
+    if not ground_blocks.differ_by_wedge(first, second):
+        return ""
+    what = ground_blocks.listed(ground_blocks.more_blocks(first, second))
+    return "a wedge" if what == "wedge" else f"the {what}"
+
+
 @dataclasses.dataclass(frozen=True)
 class Difference:
     """Of a quantity of the first run from that of the second; `scatter` is the larger of both runs,
@@ -97,15 +106,18 @@ class Difference:
         shown = self.factor * value
         return f"{shown:.0f} {self.unit}" if abs(shown) >= 100 else f"{shown:.2g} {self.unit}"
 
-    def words(self, by_wedge: bool, unsound: str = "", no_pair: str = NO_PAIR) -> str:
-        """The verdict; `by_wedge`: the runs differ by a wedge in the first one only, `no_pair`: why
-        they do not. `unsound`: why this bed has no verdict (bed_warnings.py)."""
-        if unsound:
-            return f"no verdict, since {unsound}"
-        verdict, numbers = self.judged(by_wedge, no_pair)
+    @property
+    def expected(self) -> bool:
+        """Whether it has the sign that is expected of a wedge."""
+        return (self.first - self.second) * self.wanted > 0
+
+    def words(self, measure: str) -> str:
+        """The verdict and the numbers from which it follows; `measure`: what only the first run
+        has, from measure_words(), empty if the runs differ in another way."""
+        verdict, numbers = self.judged(measure)
         return f"{verdict} ({numbers})" if numbers else verdict
 
-    def judged(self, by_wedge: bool, no_pair: str = NO_PAIR) -> tuple[str, str]:
+    def judged(self, measure: str) -> tuple[str, str]:
         """(verdict, the numbers from which it follows, or nothing)."""
         limit = f"{self.beside}, {self.of_text(self.scatter)}"
         difference = f"the difference, {self.of_text(abs(self.first - self.second))}, is"
@@ -118,7 +130,7 @@ class Difference:
                     "")
         if not self.larger_than_scatter:
             return "no clear effect", f"{difference} not larger than {limit}"
-        if not by_wedge:
-            return f"change relative to the second run; no verdict: {no_pair}", ""
-        expected = "as" if (self.first - self.second) * self.wanted > 0 else "NOT as"
-        return f"{expected} expected of a wedge", f"{difference} larger than {limit}"
+        if not measure:
+            return "change relative to the second run", ""
+        return (f"{'as' if self.expected else 'NOT as'} expected of {measure}",
+                f"{difference} larger than {limit}")

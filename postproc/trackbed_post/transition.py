@@ -283,12 +283,12 @@ def draw_into(results, folder):
     sentence = transition_verdict.sentences(trains, changes, unsound)
     folder.sentences.append(sentence)
     lengths = zones.changing_of_each([train.run for train in trains])
-    warnings = [f"Warning: {train.name}: {one}." for train, changing in zip(trains, lengths)
-                for one in (*bed_warnings.of(train.run, changing),
-                            *passage_warnings.of_bed(train.run))]
+    warnings = bed_warnings.once(
+        (train.name, [*bed_warnings.of(train.run, changing), *passage_warnings.of_bed(train.run),
+                      *train.run.warnings]) for train, changing in zip(trains, lengths))
     caption = transition_caption.of(trains, changes, unsound, bool(warnings))
     if warnings:
-        sentence = "\n".join([sentence, *warnings])
+        sentence = "\n".join([sentence, "Warnings of the runs:", *(f"{one}." for one in warnings)])
     folder.picture("transition", transition_figures.compare(trains, changes, caption))
     folder.picture("model", transition_figures.draw_model(trains[0], results[0]),
                    write.origin_of(results[:1]))

@@ -1,6 +1,6 @@
-"""The text below transition.png: at most five short sentences on levels, steepest change, wheel
-forces and limits. transition.txt has the whole verdict with all places and differences, and the
-warnings. Of `trains` and `changes` as in transition_verdict.py."""
+"""The text below transition.png: at most four short sentences, on levels of rail and sleepers,
+wheel forces and limits. transition.txt has the whole verdict with all places and differences, and
+the warnings. Of `trains` and `changes` as in transition_verdict.py."""
 from __future__ import annotations
 
 import typing
@@ -8,61 +8,48 @@ import typing
 import numpy as np
 
 from trackbed_post import transition_verdict
-from trackbed_post.judgement import Difference, shown
+from trackbed_post.judgement import shown
 from trackbed_post.measures import TINY
-from trackbed_post.zones import REACHED
+from trackbed_post.transition_verdict import length, slope, steepest
 
 if typing.TYPE_CHECKING:
     from trackbed_post.transition import Change, Train
 
 
-def short(found: Difference, unsound: str) -> str:
-    """A verdict without its numbers, which transition.txt states."""
-    return "" if unsound else f": {found.judged(True)[0]}"
+def level(trains: list[Train], changes: list[Change]) -> str:
+    """Over which length the rail's level changes and how steeply, of one run or two, without a
+    verdict."""
+    first, *second = changes
+    begin = f"{trains[0].name_first}, the" if second else "The"
+    extends, steep = (f"{of(first)}" + "".join(
+        f", {train.name} {of(change)}" for train, change in zip(trains[1:], second))
+        for of in (lambda change: length(change.width), steepest))
+    return (f"{begin} change of the rail's lowest level from structure to plain track extends over "
+            f"{extends}; its steepest part is {steep}.")
 
 
-def reached(width: float) -> str:
-    return f"reached {width:.2g} m behind the structure" if np.isfinite(width) else "not reached"
-
-
-def of_one(change: Change) -> list[str]:
-    """Levels, steepest change and wheel force of a run."""
-    return [
-        f"{REACHED:.0%} of the change of the rail's lowest level from structure to plain track is "
-        f"{reached(change.width)}.",
-        f"Steepest change in the transition: {1e3 * change.steepest:.2g} mm/m "
-        f"{transition_verdict.place(change.steepest_x, change.steepest_behind)}.",
-        f"Largest wheel force there: {shown(1e-3 * change.force)} kN, on plain track "
-        f"{shown(1e-3 * change.force_plain)} kN."]
+def forces(trains: list[Train], changes: list[Change], unsound: str) -> str:
+    """The largest wheel forces, beside those on plain track."""
+    def both(field: str) -> str:
+        return " and ".join(shown(1e-3 * getattr(change, field)) for change in changes)
+    judged, beside = "", ", on plain track"
+    if len(changes) == 2:
+        beside = beside_plain(trains, changes, unsound)
+        if not unsound:
+            found = transition_verdict.differences(trains, changes)["force"]
+            judged = f": {found.judged(transition_verdict.measure_of(trains))[0]}"
+    return (f"Largest wheel force in the transition: {both('force')} kN{judged}{beside} "
+            f"{both('force_plain')} kN.")
 
 
 def beside_plain(trains: list[Train], changes: list[Change], unsound: str) -> str:
     """How the wheel forces of two runs are beside those on plain track, in words."""
     if unsound:
-        return ", beside those on plain track"
+        return ", on plain track"
     larger = transition_verdict.clearly_larger(trains, changes)
     clearly = "clearly" if larger else "not clearly"
     only = f" ({larger[0].name} only)" if len(larger) == 1 else ""
-    return f", and {clearly} larger than those on plain track{only}"
-
-
-def of_two(trains: list[Train], changes: list[Change], unsound: str) -> list[str]:
-    """The same of two runs, with what is judged of the first one beside the second."""
-    now, other = changes
-    differ = transition_verdict.differences(trains, changes)
-    second = trains[1].name
-    both = np.isfinite([now.width, other.width]).all()
-    width = f"{other.width:.2g} m" if both else reached(other.width)
-    return [
-        f"{trains[0].name_first}, {REACHED:.0%} of the change of the rail's lowest level from "
-        f"structure to plain track is {reached(now.width)}, {second} {width}"
-        f"{short(differ['width'], unsound)}.",
-        f"Steepest change in the transition: {1e3 * now.steepest:.2g} mm/m at x = "
-        f"{now.steepest_x:.2f} m, {second} {1e3 * other.steepest:.2g} mm/m at x = "
-        f"{other.steepest_x:.2f} m{short(differ['steepest'], unsound)}.",
-        f"Largest wheel force there: {shown(1e-3 * now.force)} and {shown(1e-3 * other.force)} kN"
-        f"{short(differ['force'], unsound)}{beside_plain(trains, changes, unsound)}, "
-        f"{shown(1e-3 * now.force_plain)} and {shown(1e-3 * other.force_plain)} kN."]
+    return f", and {clearly} larger than those on plain track{only},"
 
 
 def same_places(trains: list[Train], changes: list[Change]) -> bool:
@@ -76,22 +63,31 @@ def same_places(trains: list[Train], changes: list[Change]) -> bool:
 
 def limits(trains: list[Train], changes: list[Change]) -> str:
     """What the numbers are to be compared with, and what they depend on."""
-    scatter = 1e3 * max(change.scatter for change in changes)
+    scatter = slope(max(change.scatter for change in changes))
     shared = "; structure, transition and plain track are the same places in both runs" \
         if len(changes) > 1 and same_places(trains, changes) else ""
-    return (f"Limits: the scatter of neighbouring sleepers on plain track is {scatter:.2g} mm/m; "
-            f"one packing of stones was computed{shared}.")
+    return (f"the scatter between neighbouring sleepers on plain track is {scatter}; one packing "
+            f"of stones was computed{shared}.")
+
+
+def judged(trains: list[Train], changes: list[Change]) -> list[str]:
+    """Of two runs with a verdict: effect on rail and sleepers, wheel forces, limits."""
+    both = ", instead of ".join(map(steepest, changes))
+    return [transition_verdict.effect(trains, changes, True),
+            transition_verdict.of_sleepers(trains, changes, True), forces(trains, changes, ""),
+            f"Limits: the steepest change of the rail is {both}, and "
+            f"{limits(trains, changes)}"]
 
 
 def of(trains: list[Train], changes: list[Change] | None, unsound: str, warned: bool) -> str:
     """The text; `unsound`: why these beds have no verdict, `warned`: whether transition.txt has
     warnings."""
-    why = transition_verdict.why_no_verdict(trains, changes)
-    lines = [f"No verdict: {why or unsound}."] if why or unsound else []
+    why = transition_verdict.why_no_verdict(trains, changes) or unsound
+    lines = [f"No verdict: {why}."] if why else []
     if changes is not None:
-        lines += of_two(trains, changes, why or unsound) if len(changes) == 2 else \
-            of_one(changes[0])
-        lines.append(limits(trains, changes))
+        lines += [level(trains, changes), forces(trains, changes, why),
+                  f"Limits: {limits(trains, changes)}"] if why else judged(trains, changes)
     if warned:
-        lines[0] = f"{lines[0][:-1]}; warnings are in transition.txt."
+        behind = 0 if why else -1  # the reason against a verdict may be one of them
+        lines[behind] = f"{lines[behind][:-1]}; warnings are in transition.txt."
     return " ".join(lines)

@@ -13,7 +13,7 @@ import typing
 import numpy as np
 
 from trackbed_post import ground_blocks, ground_transition, measures, read
-from trackbed_post.judgement import CLEAR, Difference, shown, why_no_pair
+from trackbed_post.judgement import CLEAR, Difference, measure_words, shown, why_no_pair
 from trackbed_post.zones import REACHED
 
 if typing.TYPE_CHECKING:
@@ -22,18 +22,27 @@ if typing.TYPE_CHECKING:
 Differences = dict[str, Difference]  # by names of fields, or of rows
 NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two designs may differ
 CELL = "bed.cell"
+# m, nearer to the end of the structure a place is at the end: it is stated to 0.1 m, and a wheel
+# moves by as much between two rows of the histories.
+AT_END = 0.1
 
 
 def differences(trains: list[Train], changes: list[Change]) -> Differences:
     """Field of Change -> Difference of the first run from the second."""
     now, other = changes
-    steps = max(now.scatter, other.scatter)
     ripple = max(change.force_plain - train.mean_force() for train, change in zip(trains, changes))
 
     def of(field: str, *rest: typing.Any) -> Difference:
         return Difference(getattr(now, field), getattr(other, field), *rest)
-    return {"width": of("width", measures.spacing(trains[0].run), "m", 1, 1, "one sleeper spacing"),
-            "steepest": of("steepest", steps, "mm/m", 1e3, -1),
+
+    def width(field: str) -> Difference:
+        return of(field, measures.spacing(trains[0].run), "m", 1, 1, "one sleeper spacing")
+
+    def steepest(field: str, scatter: str) -> Difference:
+        return of(field, max(getattr(change, scatter) for change in changes), "mm/m", 1e3, -1)
+    return {"width": width("width"), "steepest": steepest("steepest", "scatter"),
+            "sleeper_width": width("sleeper_width"),
+            "sleeper_steepest": steepest("sleeper_steepest", "sleeper_scatter"),
             "force": of("force", ripple, "kN", 1e-3, -1)}
 
 
@@ -87,38 +96,116 @@ def why_no_verdict(trains: list[Train], changes: list[Change] | None) -> str:
     return ""
 
 
+def length(value: float) -> str:
+    """Distance behind the structure over which a level changes, to 0.1 m; of one that is never
+    reached the whole bed."""
+    if not np.isfinite(value):
+        return "the whole bed"
+    return f"{value:.1f} m" if value >= 0.05 else "less than 0.1 m"
+
+
+def slope(value: float) -> str:
+    """A change of level with two digits, also where the second one is a zero."""
+    return f"{1e3 * value:#.2g}".rstrip(".") + " mm/m"
+
+
+def place(behind: float) -> str:
+    """Of a distance from the end of the structure, m."""
+    if abs(behind) < AT_END:
+        return "at the end of the structure"
+    side = "behind" if behind > 0 else "before the end of"
+    return f"{abs(behind):.1f} m {side} the structure"
+
+
+def in_scatter(change: Change) -> bool:
+    """Whether the steepest change of the rail in the transition is not larger than what a bed of
+    stones has where nothing changes along the track."""
+    return change.steepest <= change.scatter
+
+
+def steepest(change: Change) -> str:
+    """The steepest change of a run, with its place if it stands for the transition."""
+    return f"{slope(change.steepest)}, not larger than the scatter" if in_scatter(change) else \
+        f"{slope(change.steepest)}, {place(change.steepest_behind)}"
+
+
+def less_steep(found: Difference) -> str:
+    """How steep the steepest change of the first run is beside that of the second."""
+    change = found.change
+    if not abs(change) >= 0.005:  # would be 0 %
+        return "as steep" if change == change else "not comparable"
+    return f"{abs(change):.0%} {'less steep' if change < 0 else 'steeper'}"
+
+
+def effect(trains: list[Train], changes: list[Change], sound: bool) -> str:
+    """What the measure does to the level of the rail, in one sentence. `sound`: whether these beds
+    have a verdict."""
+    found, measure = differences(trains, changes), measure_of(trains)
+    judged = [found[field].judged(measure)[0] for field in ("width", "steepest")]
+    over = (f"With the {what_differs(trains)} the change from structure to plain track extends "
+            f"over {length(changes[0].width)} instead of {length(changes[1].width)}")
+    part = f"its steepest part is {less_steep(found['steepest'])}"
+    if all(map(in_scatter, changes)):
+        part = "its steepest part is in neither run larger than the scatter on plain track"
+        judged[1] = "no verdict from it"
+    if not sound:
+        return f"{over}, and {part}."
+    if judged[0] == judged[1]:
+        return f"{over}, and {part}: {judged[0]}."
+    return f"{over}: {judged[0]}; {part}: {judged[1]}."
+
+
+def of_sleepers(trains: list[Train], changes: list[Change], sound: bool) -> str:
+    """The same of the sleepers' own levels: clear effects or none."""
+    now, other = changes
+    differ = differences(trains, changes)
+    found = [differ["sleeper_width"], differ["sleeper_steepest"]]
+    numbers = (f"The sleepers' own levels change over {length(now.sleeper_width)} instead of "
+               f"{length(other.sleeper_width)}, by at most {slope(now.sleeper_steepest)} instead "
+               f"of {slope(other.sleeper_steepest)}")
+    clear = [one.clear for one in found]
+    words = "both are clear effects" if all(clear) else "neither is a clear effect" \
+        if not any(clear) else "only the first is a clear effect" if clear[0] else \
+        "only the second is a clear effect"
+    if any(one.clear and not one.expected for one in found):
+        words += f", NOT as expected of {measure_of(trains)}"
+    return f"{numbers}: {words}." if sound else f"{numbers}."
+
+
+def measure_of(trains: list[Train]) -> str:
+    """What only the first run has, as verdicts name it."""
+    return measure_words(*(train.run for train in trains))
+
+
+def evidence(trains: list[Train], changes: list[Change], sound: bool) -> str:
+    """The numbers behind the effect, and the limits with which they are compared."""
+    now, other = changes
+    found, measure = differences(trains, changes), measure_of(trains)
+    beside = {field: f" ({numbers})" if sound and numbers else ""
+              for field in ("width", "steepest")
+              for numbers in [found[field].judged(measure)[1]]}
+    force = f": {found['force'].words(measure)}" if sound else ""
+    return (
+        "The change is that of the lowest level of the rail under the train; it extends from the "
+        f"end of the structure to where {REACHED:.0%} of it is reached{beside['width']}. The "
+        f"steepest change between two sleepers is {steepest(now)}, instead of {steepest(other)}"
+        f"{beside['steepest']}. {of_sleepers(trains, changes, sound)} The largest wheel force in "
+        f"the transition is {shown(1e-3 * now.force)} kN, {place(now.force_behind)}, instead of "
+        f"{shown(1e-3 * other.force)} kN, {place(other.force_behind)}{force}.")
+
+
 def verdict(trains: list[Train], changes: list[Change] | None, unsound: str = "") -> str:
     """Sentences on the effect of the wedge, or why there is none. `unsound`: why these beds have no
     verdict (bed_warnings.py); the numbers are stated all the same."""
     if (why := why_no_verdict(trains, changes)) or changes is None:
         return f"No verdict: {why}."
-    (now, other), what = changes, what_differs(trains)
-    judged = {field: "" if unsound else f": {found.words(True)}"
-              for field, found in differences(trains, changes).items()}
-    numbers = (
-        "The lowest level of the rail under the train changes from structure to plain track. "
-        f"With the {what}, {REACHED:.0%} of this change is reached {now.width:.2g} m behind the "
-        f"structure instead of {other.width:.2g} m{judged['width']}. The steepest change of "
-        f"this level between two sleepers is {1e3 * now.steepest:.2g} mm/m "
-        f"{place(now.steepest_x, now.steepest_behind)}, instead of {1e3 * other.steepest:.2g} "
-        f"mm/m {place(other.steepest_x, other.steepest_behind)} "
-        f"({now.steepest / other.steepest - 1:+.0%}){judged['steepest']}. The largest wheel "
-        f"force in the transition is {shown(1e-3 * now.force)} kN "
-        f"{place(now.force_x, now.force_behind)}, instead of {shown(1e-3 * other.force)} kN "
-        f"{place(other.force_x, other.force_behind)}{judged['force']}.")
+    numbers = f"{effect(trains, changes, not unsound)} {evidence(trains, changes, not unsound)}"
     packing = "One packing of stones was computed."
     if unsound:
         return (f"No verdict, since {unsound}: such a bed can change the following numbers more "
-                f"than the {what} does. {numbers} {packing} The remedies are in the warnings.")
+                f"than the {what_differs(trains)} does. {numbers} {packing} The remedies are in "
+                "the warnings.")
     return f"{numbers} {cause_of_forces(trains, changes)} {packing}"
-
-
-def place(x: float, behind: float) -> str:
-    """Of a row of the histories with its millimetres, since it may be just before or behind the
-    end of the structure."""
-    side = "behind" if behind >= 0 else "before the end of"
-    digits = 2 if abs(behind) >= 0.05 else 3
-    return f"at x = {x:.{digits}f} m, {abs(behind):.{digits}f} m {side} the structure"
 
 
 def clearly_larger(trains: list[Train], changes: list[Change]) -> list[Train]:

@@ -137,6 +137,24 @@ def test_the_warning_counts_sleepers_in_each_part(runs, tmp_path):
     assert zones.changing([run]) > 0.1
 
 
+def test_each_reason_is_stated_once_with_its_runs(monkeypatch):
+    hang = [bed_warnings.BedWarning("sleepers hang", "", f"{count} of 31") for count in (3, 5)]
+    loose = bed_warnings.BedWarning("the bed is not bedded in", "")
+    monkeypatch.setattr(bed_warnings, "warnings_of", lambda run: run)
+    assert bed_warnings.why_no_verdict([("with slab", [loose]), ("without slab", [loose])]) == \
+        "the bed is not bedded in (runs with slab and without slab)"
+    assert bed_warnings.why_no_verdict([("a", [hang[0], loose]), ("b", [hang[1]])]) == \
+        "3 of 31 sleepers hang (run a), 5 of 31 (run b); the bed is not bedded in (run a)"
+    assert bed_warnings.why_no_verdict([("a", [hang[0]]), ("b", [hang[0]])]) == \
+        "3 of 31 sleepers hang (runs a and b)"
+    assert bed_warnings.why_no_verdict([("a", []), ("b", [])]) == ""
+
+
+def test_each_sentence_is_stated_once_with_its_runs():
+    assert bed_warnings.once([("a", ["one", "two", "one"]), ("b", ["two"])]) == [
+        "a: one", "a and b: two"]
+
+
 def test_the_end_of_a_stage_is_read_from_the_summary(tmp_path):
     import made
     folder = made.write(tmp_path / "run")

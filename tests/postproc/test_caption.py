@@ -23,17 +23,20 @@ def sentences(text):
     return re.split(r"(?<=\.) (?=[A-Z0-9])", text)
 
 
-def test_the_caption_has_levels_steepest_change_force_and_limits_in_this_order():
-    levels, steepest, force, limits = sentences(transition_caption.of(*pair(), "", False))
-    assert levels == (
-        "With wedge, 90% of the change of the rail's lowest level from structure to plain track is "
-        "reached 2.7 m behind the structure, without wedge 0.54 m: as expected of a wedge.")
-    assert steepest == ("Steepest change in the transition: 0.2 mm/m at x = 6.30 m, without wedge "
-                        "1 mm/m at x = 5.10 m: as expected of a wedge.")
-    assert force == ("Largest wheel force there: 60.0 and 60.0 kN: no clear effect, and not "
-                     "clearly larger than those on plain track, 60.0 and 60.0 kN.")
-    assert limits.startswith("Limits: the scatter of neighbouring sleepers on plain track is ")
+def test_the_caption_has_effect_sleepers_force_and_limits_in_this_order():
+    effect, sleepers, force, limits = sentences(transition_caption.of(*pair(), "", True))
+    assert effect == (
+        "With the wedge the change from structure to plain track extends over 2.7 m instead of 0.5 "
+        "m, and its steepest part is 80% less steep: as expected of a wedge.")
+    assert sleepers == ("The sleepers' own levels change over 2.7 m instead of 0.5 m, by at most "
+                        "0.20 mm/m instead of 1.0 mm/m: both are clear effects.")
+    assert force == ("Largest wheel force in the transition: 60.0 and 60.0 kN: no clear effect, "
+                     "and not clearly larger than those on plain track, 60.0 and 60.0 kN.")
+    assert limits.startswith(
+        "Limits: the steepest change of the rail is 0.20 mm/m, 1.5 m behind the structure, instead "
+        "of 1.0 mm/m, 0.3 m behind the structure, and the scatter between neighbouring sleepers ")
     assert "one packing of stones was computed" in limits
+    assert limits.endswith("; warnings are in transition.txt.")
     assert "structure, transition and plain track are the same places in both runs" in limits
 
 
@@ -57,11 +60,11 @@ def test_names_keep_their_capitals():
     trains = [dataclasses.replace(train, name=f"run_{name}", run=types.SimpleNamespace(
         **{**vars(train.run), "name": f"run_{name}"})) for train, name in zip(pair()[0], "AB")]
     text = transition_caption.of(trains, transition.changes_of(trains), "not known", False)
-    assert "run_A, 90% of the change" in text and "m, run_B 1 mm/m at" in text
+    assert "run_A, the change of" in text and "run_B 1.0 mm/m, 0.3 m behind" in text
     slabs = [dataclasses.replace(train, name=f"{word} Slab")
              for train, word in zip(trains, ("with", "without"))]
-    text = transition_caption.of(slabs, transition.changes_of(slabs), "", False)
-    assert "With Slab, 90% of the change" in text and "m, without Slab 1 mm/m at" in text
+    text = transition_caption.of(slabs, transition.changes_of(slabs), "not known", False)
+    assert "With Slab, the change of" in text and ", without Slab 1.0 mm/m, 0.3 m" in text
 
 
 def test_parts_are_called_the_same_places_only_if_they_are():
@@ -79,10 +82,9 @@ def test_a_change_that_is_never_reached_has_no_distance():
     trains, changes = pair()
     never = [dataclasses.replace(change, width=np.nan) for change in changes]
     for given, words in (
-            (never[:1], "to plain track is not reached. Steepest"),
-            ([never[0], changes[1]],
-             "to plain track is not reached, without wedge reached 0.54 m behind the structure. "),
-            ([changes[0], never[1]], "2.7 m behind the structure, without wedge not reached. ")):
+            (never[:1], "extends over the whole bed; its steepest part"),
+            ([never[0], changes[1]], "extends over the whole bed, without wedge 0.5 m; its"),
+            ([changes[0], never[1]], "extends over 2.7 m, without wedge the whole bed; its")):
         text = transition_caption.of(trains[:len(given)], given, "", False)
         assert words in text and "nan" not in text
 
@@ -92,10 +94,10 @@ def test_the_caption_states_why_there_is_no_verdict_and_the_numbers():
     first, *rest = sentences(text)
     assert first == ("No verdict: 1 of 31 sleepers hang (run with wedge); warnings are in "
                      "transition.txt.")
-    assert len(rest) == 4 and "expected" not in text and "clear" not in text
+    assert len(rest) == 3 and "expected" not in text and "clear" not in text
     one = [test_transition.train(7.8)]
     text = transition_caption.of(one, transition.changes_of(one), "", False)
-    assert len(sentences(text)) == 5 and text.startswith("No verdict: give a second run")
+    assert len(sentences(text)) == 4 and text.startswith("No verdict: give a second run")
     assert "both runs" not in text
     assert transition_caption.of(one, None, "", False).count(".") == 1
 
@@ -103,6 +105,7 @@ def test_the_caption_states_why_there_is_no_verdict_and_the_numbers():
 def test_the_file_has_the_whole_verdict_and_the_figure_the_short_one(tmp_path, monkeypatch):
     shown = []
     trains, changes = pair()
+    trains[0].run.warnings, trains[1].run.warnings = ("stage bed_in ended early",), ()
     monkeypatch.setattr(transition, "train_of", lambda path: trains[path])
     monkeypatch.setattr(transition.bed_warnings, "warnings_of", lambda *_: [])
     monkeypatch.setattr(transition.passage_warnings, "of_bed", lambda run: ["pads pull"])
@@ -112,8 +115,11 @@ def test_the_file_has_the_whole_verdict_and_the_figure_the_short_one(tmp_path, m
     monkeypatch.setattr(write, "origin_of", lambda paths: "made")
     folder = write.Folder(tmp_path)
     transition.draw_into([0, 1], folder)
-    assert sentences(shown[0])[0].endswith("; warnings are in transition.txt.")
-    assert "pads pull" not in shown[0] and folder.tables[0].count("pads pull") == 2
+    assert sentences(shown[0])[-1].endswith("; warnings are in transition.txt.")
+    assert "pads pull" not in shown[0]
+    assert folder.tables[0].endswith(
+        "\nWarnings of the runs:\nwith wedge and without wedge: pads pull.\n"
+        "with wedge: stage bed_in ended early.\n")
     assert "is larger than one sleeper spacing" in " ".join(folder.tables[0].split())
     assert changes is not None
     plt.close("all")

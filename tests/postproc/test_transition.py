@@ -5,8 +5,8 @@ import types
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import (model_drawing, read, transition, transition_figures,
-                           transition_verdict)
+from trackbed_post import (model_drawing, read, transition, transition_caption,
+                           transition_figures, transition_verdict)
 
 X = 0.6 * np.arange(1, 31)
 
@@ -72,10 +72,11 @@ def test_places_are_stated():
     assert other.force_behind == pytest.approx(2.1, abs=0.1)
     assert (now.plain_begin, now.plain_end) == pytest.approx((10.2, 16.2))
     text = stated(first, second)
-    assert "instead of 1 mm/m at x = 5.10 m, 0.30 m behind the structure" in text
+    assert "instead of 1.0 mm/m, 0.3 m behind the structure" in text
     there = second.passing.force[..., 0] == 62e3
     assert other.force_x in second.passing.x[there], "no row has the largest force there"
-    assert f"instead of 62.0 kN at x = {other.force_x:.2f} m, {other.force_behind:.2f} m" in text
+    assert f"instead of 62.0 kN, {other.force_behind:.1f} m behind the structure" in text
+    assert "x = " not in text, "only distances"
     assert "up to 60.0 and 60.0 kN; on the structure they reach 60.0 and 60.0 kN" in text
 
 
@@ -142,7 +143,6 @@ def test_each_space_between_sleepers_belongs_to_one_part():
     zone = found.zone
     assert [X[part][[0, -1]].round(1).tolist() for part in (
         zone.structure, zone.transition, zone.plain)] == [[2.4, 4.2], [4.2, 10.2], [10.2, 16.2]]
-    assert "0.35 m before the end of the structure" in transition_verdict.place(4.45, -0.35)
 
 
 def test_plain_track_begins_where_the_change_is_reached():
@@ -173,10 +173,59 @@ def test_a_cell_that_was_moved_is_the_same():
 
 def test_verdict_names_what_changes_clearly():
     text = stated(train(7.8), train(5.4, wedge_present=False))
-    assert "90% of this change is reached 2.7 m behind the structure instead of 0.54 m" in text
-    assert "between two sleepers is 0.2 mm/m at x = " in text
-    assert "behind the structure (-80%): as expected of a wedge" in text
+    assert text.startswith(
+        "With the wedge the change from structure to plain track extends over 2.7 m instead of 0.5 "
+        "m, and its steepest part is 80% less steep: as expected of a wedge. ")
+    assert text.count("expected") == 1
+    assert "90% of it is reached (the difference, 2.2 m, is larger than one sleeper spacing" in text
+    assert "between two sleepers is 0.20 mm/m, 1.5 m behind the structure, instead of 1.0" in text
     assert "the structure: no clear effect (within 10%)" in text
+
+
+def with_scatter(train, scatter):
+    """The train over a bed with one sleeper of plain track that is lower than its neighbours by
+    this much per metre."""
+    train.passing.rail[1, 20] -= 0.6 * scatter
+    return train
+
+
+def test_two_measures_that_differ_have_verdicts_of_their_own():
+    text = stated(*(with_scatter(one, 0.9e-3) for one in (
+        train(7.8), train(5.4, wedge_present=False))))
+    assert text.startswith(
+        "With the wedge the change from structure to plain track extends over 2.7 m instead of 0.5 "
+        "m: as expected of a wedge; its steepest part is 80% less steep: no clear effect. ")
+    assert "0.20 mm/m, not larger than the scatter, instead of 1.0 mm/m, 0.3 m behind" in text
+
+
+def test_no_verdict_follows_from_a_change_within_the_scatter():
+    pair = [with_scatter(one, 2e-3) for one in (train(7.8), train(5.4, wedge_present=False))]
+    text = stated(*pair)
+    assert "m: as expected of a wedge; its steepest part is in neither run larger than the " \
+        "scatter on plain track: no verdict from it. " in text
+    assert "0.20 mm/m, not larger than the scatter, instead of 1.0 mm/m, not larger than" in text
+    for given in (pair, pair[:1]):
+        caption = transition_caption.of(given, transition.changes_of(given), "", False)
+        assert "0.20 mm/m, not larger than the scatter" in caption
+        assert "0.20 mm/m, 1.5 m" not in caption
+
+
+@pytest.mark.parametrize("sleepers, words", [
+    ((7.8, 5.4), "both are clear effects"), ((7.8, 7.8), "neither is a clear effect"),
+    ((5.4, 7.8), "both are clear effects, NOT as expected of a wedge")])
+def test_the_sleepers_are_judged_by_the_same_rule(sleepers, words):
+    pair = [train(7.8), train(5.4, wedge_present=False)]
+    for one, end in zip(pair, sleepers):
+        one.passing.displacement[1] = -np.interp(X, [4.8, end], [0.4e-3, 1e-3])
+    assert f": {words}. The largest wheel force" in stated(*pair)
+
+
+@pytest.mark.parametrize("behind, words", [
+    (-0.35, "0.3 m before the end of the structure"), (-0.003, "at the end of the structure"),
+    (0.09, "at the end of the structure"), (0.11, "0.1 m behind the structure"),
+    (5.7, "5.7 m behind the structure")])
+def test_places_are_distances_from_the_end_of_the_structure(behind, words):
+    assert transition_verdict.place(behind) == words
 
 
 def test_levels_count_from_the_row_before_the_train():
