@@ -10,8 +10,8 @@ import numpy as np
 
 from trackbed_post import (bed_figures, bed_histories, bed_warnings, figure_csv, frequencies,
                            ground_blocks, ground_transition, judgement, measures, passage_warnings,
-                           read, shades, signals, sleeper_histories, stage_histories, support,
-                           support_figure, write, zones)
+                           passing_peaks, read, shades, signals, sleeper_histories,
+                           stage_histories, support, support_figure, write, zones)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 from trackbed_post.panels import END, HIDDEN, UP, legend_below, mark_ends, wrapped
 
@@ -92,22 +92,6 @@ def stress(runs):
     return figure
 
 
-def peak_text(spectrum, target, peak, reach, unit):
-    """A peak, or what is there instead: the highest lobe near the passing frequency, which is not
-    above its neighbours."""
-    if peak is not None:
-        return f"peak at {peak:.2f} Hz, {np.interp(peak, *spectrum):.3g} {unit}"
-    frequency, amplitude = spectrum
-    near = np.flatnonzero(np.abs(frequency - target) <= reach)
-    if not len(near):
-        return "beyond the spectrum"
-    most = near[np.argmax(amplitude[near])]
-    beside = "below 2 % of the highest lobe" if amplitude[most] < signals.LEAST_PEAK * max(
-        amplitude) else "not above the lobes beside it"
-    return (f"no peak: at most {amplitude[most]:.3g} {unit} within {reach:.2g} Hz (at "
-            f"{frequency[most]:.2f} Hz), {beside}")
-
-
 SPECTRA = {"acceleration": ("m/s2", 1), "displacement": ("mm", 1e3), "seat_force": ("kN", 1e-3)}
 
 
@@ -123,39 +107,37 @@ def spectrum_of(run, name):
     return frequency, np.sqrt(np.mean(amplitude**2, axis=1))
 
 
-def peaks_of(frequency, amplitude, marks):
-    """Name of each passing frequency -> its peak, Hz, or None."""
-    return {name: signals.peak_at(frequency, amplitude, target, frequencies.reach(marks, name))
-            for name, target in marks.items()}
+def peaks_of(runs, name):
+    """Of each run: name of each passing frequency -> the lobe of its spectrum there."""
+    found = []
+    for run in runs:
+        marks = frequencies.of_passage(run)
+        found.append(passing_peaks.lobes(spectrum_of(run, name), marks,
+                                         frequencies.beside(run, marks)))
+    return passing_peaks.judged(found)
 
 
-def mark_peaks(panel, spectrum, marks, colour, label):
-    """Rings around the peaks of a (frequency, amplitude) at passing frequencies."""
-    found = [peak for peak in peaks_of(*spectrum, marks).values() if peak is not None]
-    panel.plot(found, np.interp(found, *spectrum), "o", ms=7, mfc="none", color=colour,
-               label=label)
-
-
-def lines_of_peaks(name, spectrum, marks):
-    """Those of the table for one quantity: each passing frequency and its peak."""
-    unit = SPECTRA[name][0]
-    return [f"  {name.replace('_', ' '):<16}{f'{mark} = {marks[mark]:.2f} Hz':<24}"
-            + peak_text(spectrum, marks[mark], peak, frequencies.reach(marks, mark), unit)
-            for mark, peak in peaks_of(*spectrum, marks).items()]
+def mark_peaks(panel, lobes, colour, label):
+    """Rings around peaks at passing frequencies."""
+    found = [lobe for lobe in lobes.values() if lobe and lobe.peak]
+    panel.plot([lobe.frequency for lobe in found], [lobe.amplitude for lobe in found], "o", ms=7,
+               mfc="none", color=colour, label=label)
 
 
 def table_of_peaks(runs):
     """Text: peaks of the spectra near the passing frequencies, those that have rings in the figure;
     empty where there are none."""
+    runs = [run for run in runs if frequencies.of_passage(run) and run.sleeper
+            and signals.step_of(run.time[run.passage()]) is not None]
+    found = {name: peaks_of(runs, name) for name in SPECTRA}
     lines = []
-    for run in runs:
-        marks = frequencies.of_passage(run)
-        if not marks or not run.sleeper or signals.step_of(run.time[run.passage()]) is None:
-            continue
+    for number, run in enumerate(runs):
         lines += ["", f"spectra of sleepers near the passing frequencies, {run.name}, "
                   f"{measures.passage_words([run])}"]
-        for name in SPECTRA:
-            lines += lines_of_peaks(name, spectrum_of(run, name), marks)
+        marks = frequencies.of_passage(run)
+        lines += [f"  {name.replace('_', ' '):<16}{f'{mark} = {marks[mark]:.2f} Hz':<24}"
+                  + (lobe.words(SPECTRA[name][0]) if lobe else "beyond the spectrum")
+                  for name, of_runs in found.items() for mark, lobe in of_runs[number].items()]
     return "\n".join(lines) + "\n" if lines else ""
 
 
@@ -172,14 +154,13 @@ def spectra(runs):
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(9, 9))
     marks = frequencies.of_passage(runs[0])
     shown_hz = max(SHOWN_HZ, BEYOND * max(marks.values(), default=0))
-    for run, colour in zip(runs, COLOURS):
-        for panel, (name, (unit, _)) in zip(panels, SPECTRA.items()):
+    for panel, (name, (unit, _)) in zip(panels, SPECTRA.items()):
+        for run, colour, lobes in zip(runs, COLOURS, peaks_of(runs, name)):
             frequency, mean = spectrum_of(run, name)
             shown = frequency <= shown_hz
             panel.plot(frequency[shown], mean[shown], color=colour, lw=1, label=run.name)
-            mark_peaks(panel, (frequency, mean), frequencies.of_passage(run), colour,
-                       f"{run.name}, peak at a passing frequency")
-            panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
+            mark_peaks(panel, lobes, colour, f"{run.name}, peak at a passing frequency")
+        panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
     for panel in panels:
         for mark, target in marks.items():
             panel.axvline(target, color="0.4", lw=0.8, ls=":",

@@ -95,30 +95,6 @@ def peak_near(frequency: np.ndarray, amplitude: np.ndarray, target: float,
     return float(frequency[min(high, key=lambda k: abs(frequency[k] - target))])
 
 
-STANDS_OUT = 0.25  # of its height, by which a maximum is above the lobes between it and higher ones
-LEAST_PEAK = 0.02  # of the highest maximum; lower ones may be side lobes
-
-
-def standing_out(amplitude: np.ndarray) -> np.ndarray:
-    """Numbers of the *inner* maxima that stand out. The spectrum of a short record, or of several
-    axles, is a row of lobes with zeros in between: what counts is the row of their heights, in
-    which a maximum must have a prominence of STANDS_OUT of its height, and LEAST_PEAK of the
-    highest one."""
-    peaks, _ = scipy.signal.find_peaks(amplitude)
-    heights = np.concatenate([[0.0], amplitude[peaks], [0.0]])
-    found, facts = scipy.signal.find_peaks(heights, height=LEAST_PEAK * heights.max(),
-                                           prominence=0)
-    return peaks[found[facts["prominences"] >= STANDS_OUT * heights[found]] - 1]
-
-
-def peak_at(frequency: np.ndarray, amplitude: np.ndarray, target: float,
-            reach: float) -> float | None:
-    """Frequency of the maximum that stands out and is nearest to a target, within `reach`, Hz; None
-    without any: then there are side lobes only."""
-    near = [frequency[k] for k in standing_out(amplitude) if abs(frequency[k] - target) <= reach]
-    return float(min(near, key=lambda one: abs(one - target))) if near else None
-
-
 # Midband frequencies of third octaves and their edges, as ratios to 1000 Hz and to the midband
 # frequency (IEC 61260-1:2014, system of base 10).
 THIRD = 10 ** 0.1

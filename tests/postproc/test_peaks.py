@@ -1,4 +1,4 @@
-"""Tests that side lobes of a train's own frequencies are not called peaks."""
+"""Tests that lobes of a train's own frequencies are not called peaks."""
 import csv
 import dataclasses
 
@@ -6,40 +6,96 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import test_postproc
-from trackbed_post import bed_on_ground, figure_csv, frequencies, read, signals
+from trackbed_post import bed_on_ground, figure_csv, frequencies, passing_peaks, read
 
 HERTZ = np.arange(0, 100, 0.05)
-LOBES = np.abs(np.cos(np.pi * HERTZ / 2.4))  # 2.4 Hz apart
+SPEED = 44.4                                # m/s
+VEHICLE = np.array([0, 2.56, 19.0, 21.56])  # m, its axles behind the first one
+MARKS = {"v/L_c": SPEED / 19.0, "v/L_w": SPEED / 2.56, "v/s": SPEED / 0.6}
 
 
-def test_a_lobe_beside_higher_ones_is_no_peak():
-    """Lobes below a hump at 40 Hz that is 20 Hz wide: only the highest one stands out."""
-    spectrum = LOBES * np.exp(-((HERTZ - 40) / 10)**2)
-    found, = signals.standing_out(spectrum)
-    assert HERTZ[found] == pytest.approx(40.8, abs=0.1)
-    assert signals.peak_at(HERTZ, spectrum, 40.0, 1.2) == HERTZ[found]
-    # 45.6 Hz is the top of a lobe, which `peak_near` would give.
-    assert signals.peak_near(HERTZ, spectrum, 45.6, 0.02) == pytest.approx(45.6, abs=0.1)
-    assert signals.peak_at(HERTZ, spectrum, 45.6, 1.2) is None
+def hump(middle, wide):
+    """What a track answers to a single axle, much wider than a lobe."""
+    return np.exp(-((HERTZ - middle) / wide)**2)
+
+
+def spectrum(axles, *humps):
+    """(Hz, amplitude) of a train at a place."""
+    turns = np.exp(-2j * np.pi * HERTZ[:, None] * axles / SPEED)
+    return HERTZ, np.abs(turns.mean(axis=1)) * sum(hump(*one) for one in humps)
+
+
+def lobes(axles, *humps, marks=None):
+    beside = frequencies.RESOLVED * SPEED / np.ptp(axles)
+    return passing_peaks.lobes(spectrum(axles, *humps), marks or MARKS, beside)
+
+
+def peaks(*runs):
+    """Of each run the names of the passing frequencies with a peak."""
+    return [[name for name, lobe in run.items() if lobe.peak] for run in passing_peaks.judged(runs)]
+
+
+def test_a_lobe_of_a_single_vehicle_is_no_peak():
+    """The lobe at 74 Hz is the highest one in one of both runs, but all lobes are alike."""
+    pair = [lobes(VEHICLE, (15, 8), (middle, 10)) for middle in (74.5, 82)]
+    assert peaks(*pair) == [[], []]
+    words = [run["v/s"].words("m/s2") for run in passing_peaks.judged(pair)]
+    for one, run in zip(words, pair):
+        assert one.startswith(f"no peak: highest lobe {run['v/s'].amplitude:.3g} m/s2 within 1.2 ")
+        assert one.endswith(" times the largest amplitude beside it")
+
+
+def test_the_lines_of_a_long_train_are_peaks():
+    """Between two lines, which are v/L_v apart, there are side lobes of a fifth of their height."""
+    train = np.concatenate([VEHICLE + 25.0 * number for number in range(10)])
+    found = lobes(train, (10, 20), (75, 10), marks={"v/L_v": SPEED / 25.0} | MARKS)
+    assert peaks(found) == [["v/L_v", "v/L_w", "v/s"]], "no line is near v/L_c"
+    assert found["v/L_c"].ratio < 1
+    line = found["v/s"].frequency * 25.0 / SPEED
+    assert line == pytest.approx(round(line), abs=0.05)
+    assert 3 < found["v/s"].ratio < 7
 
 
 def test_a_peak_among_lobes_is_found_and_a_small_one_is_not():
-    hump = np.exp(-((HERTZ - 20) / 8)**2)
-    for height, found in ((0.3, True), (0.01, False)):
-        spectrum = LOBES * (hump + height * np.exp(-((HERTZ - 74.4) / 1)**2))
-        assert (signals.peak_at(HERTZ, spectrum, 74.0, 1.2) is not None) == found
+    for height, found in ((0.3, ["v/s"]), (0.01, [])):
+        frequency, amplitude = spectrum(VEHICLE, (20, 8))
+        amplitude = amplitude + height * np.exp(-((HERTZ - 74.4) / 0.3)**2)
+        lobe = passing_peaks.lobes((frequency, amplitude), {"v/s": 74.0}, 4.1)
+        assert peaks(lobe) == [found]
 
 
-@pytest.mark.parametrize("scale, why", [(1, "not above the lobes beside it"),
-                                        (1e-4, "below 2 % of the highest lobe")])
-def test_a_lobe_that_is_no_peak_is_not_denied(scale, why):
-    """The table states the lobe near a passing frequency, and why it does not count."""
-    spectrum = LOBES * (np.exp(-((HERTZ - 40) / 10)**2) * (HERTZ > 47) * scale
-                        + np.exp(-((HERTZ - 40) / 10)**2) * (HERTZ <= 47))
-    words = bed_on_ground.peak_text((HERTZ, spectrum), 50.0, None, 1.2, "m/s2")
-    most = spectrum[np.abs(HERTZ - 50.4) < 1].max()
-    assert words.startswith(f"no peak: at most {most:.3g} m/s2 within 1.2 Hz (at 50.")
-    assert words.endswith(why)
+@pytest.mark.parametrize("ratios, found", [
+    ((1.4,), [False]), ((1.6,), [True]), ((1.4, 1.6), [True, True]), ((1.2, 1.6), [False, True])])
+def test_two_runs_are_judged_together(ratios, found):
+    """A difference is stated only where one run is clearly above the limit, the other below."""
+    runs = [{"v/s": passing_peaks.Lobe(74.0, 1.0, ratio, True, 1.2)} for ratio in ratios]
+    assert [run["v/s"].peak for run in passing_peaks.judged(runs)] == found
+
+
+@pytest.mark.parametrize("ratio, high, words", [
+    (1.24, True, "no peak: highest lobe 0.2 kN within 1.2 Hz (at 74.00 Hz), 1.2 times the"),
+    (0.0, True, "no peak: at most 0.2 kN within 1.2 Hz (at 74.00 Hz), on the flank of a lobe"),
+    (3.0, False, "(at 74.00 Hz), below 2% of the largest amplitude"),
+    (3.0, True, "peak at 74.00 Hz, 0.2 kN, 3.0 times the largest amplitude beside it"),
+    (np.inf, True, "peak at 74.00 Hz, 0.2 kN, more than 10 times the largest")])
+def test_the_table_states_the_lobe_and_why_it_does_not_count(ratio, high, words):
+    lobe, = passing_peaks.judged([{"v/s": passing_peaks.Lobe(74.0, 0.2, ratio, high, 1.2)}])
+    assert words in lobe["v/s"].words("kN")
+
+
+def test_the_flank_of_a_lobe_is_no_lobe():
+    lobe = passing_peaks.lobe_near((HERTZ, hump(40, 3)), 44.0, 1.0, 4.1)
+    assert (lobe.ratio, lobe.frequency) == (0.0, pytest.approx(43.0))
+    assert passing_peaks.lobe_near((HERTZ, hump(40, 3)), 104.0, 1.0, 4.1) is None
+
+
+def test_how_far_lobes_are_compared(runs):
+    """Twice the speed over the length of the train; of loads without rail that of their axles."""
+    long = test_postproc.with_train(runs[0], test_postproc.WAGONS[:4], 1)
+    assert frequencies.beside(long, {}) == pytest.approx(2 * 20 / 10.8)
+    assert frequencies.beside(runs[0], {}) == pytest.approx(2 * 20 / 10.5)
+    unknown = dataclasses.replace(long, wheel={})
+    assert frequencies.beside(unknown, {"v/s": 40.0}) == 60.0
 
 
 def test_how_far_a_peak_may_be_from_its_frequency():
@@ -57,10 +113,10 @@ def test_the_table_and_the_figure_name_the_same_peaks(runs):
     text = bed_on_ground.table_of_peaks([run])
     lines = [line for line in text.splitlines() if "seat force" in line]
     assert [line.split("Hz", 1)[1].strip() for line in lines if "v/L_w" in line] == [
-        "peak at 11.10 Hz, 0.999 kN"]
-    assert sum(": at most " in line for line in lines) == 2
+        "peak at 11.10 Hz, 0.999 kN, 4.6 times the largest amplitude beside it"]
+    assert sum("no peak: " in line for line in lines) == 2
     moved, = (line for line in text.splitlines() if "displacement" in line and "v/L_w" in line)
-    assert moved.endswith("peak at 11.10 Hz, 2 mm")
+    assert "peak at 11.10 Hz, 2 mm, 4.6 times" in moved
     figure = bed_on_ground.spectra([run])
     ring, = (line for line in figure.axes[2].lines if line.get_marker() == "o")
     assert ring.get_xdata() == pytest.approx([11.1])
