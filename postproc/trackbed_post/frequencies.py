@@ -56,15 +56,18 @@ RESOLVED = 2.0  # over the time in which a train passes a place, Hz: closer lobe
 
 def beside(results: read.Results, marks: dict[str, float]) -> float:
     """How far from a peak the lobes are that it is compared with, Hz: RESOLVED over the time from
-    the first to the last axle at a place, in which closer frequencies cannot be distinguished. The lobes of a vehicle or two are closer than that, the lines of a longer train are not.
-    If the axles are not known, one and a half times the lowest passing frequency."""
+    the first to the last axle at a place, in which closer frequencies cannot be distinguished. The
+    lobes of a vehicle or two are closer than that, the lines of a longer train are not. If the
+    axles are not known, one and a half times the lowest passing frequency."""
+    if not marks:
+        return 0.0
     if ground_blocks.carried_by_springs(results):
         x = results.wheel.get("x", read.NOTHING).values
         speed = results.deck["train"]["speed"]
         long = float(axles.behind(axles.of_wheels(x[results.passage()]))[-1]) if x.size else 0.0
     else:
         speed, long = results.deck["load"]["speed"], float(np.ptp(results.deck["load"]["axles"]))
-    return RESOLVED * speed / long if long else 1.5 * min(marks.values(), default=0.0)
+    return RESOLVED * speed / long if long else 1.5 * min(marks.values())
 
 
 def of_passage(results: read.Results) -> dict[str, float]:

@@ -164,11 +164,18 @@ def span_of_interest(run):
 
 
 def instant_shown(train, row, forces):
-    """Which instant a picture of the model shows, and that stones and sleepers are later ones."""
-    chosen = "when the largest contact force around the transition is greatest" if forces else \
-        "when a wheel force is largest"
-    return (f"Vehicle{' and contact forces' if forces else ''} at {train.passing.time[row]:.3f} s, "
-            f"{chosen}; stones and sleepers at the end of the run, {train.run.time[-1]:.3f} s")
+    """Which instant a picture of the model shows, in one line."""
+    time = f"at {train.passing.time[row]:.3f} s"
+    return f"Contact forces {time}, the instant of the largest one around the transition" \
+        if forces else f"Train {time}, the instant of the largest wheel force"
+
+
+def note_of_model(run):
+    """What the title leaves out: the train, and that stones and sleepers are later ones."""
+    train = run.deck.get("train", {})
+    count = len(train.get("vehicles", []))
+    return (f"{count} vehicle{'s' * (count != 1)}, {3.6 * train.get('speed', 0):.0f} km/h\n"
+            f"stones and sleepers: end of the run, {run.time[-1]:.3f} s")
 
 
 def show_forces(figure, scenes, forces, span):
@@ -204,6 +211,8 @@ def draw_model(train, folder):
                     ha="center", va="center", fontsize=9)
     figure.text(0.6 / size[0], BETWEEN / size[1], model_drawing.DIRECTION, fontsize=11,
                 va="center")
+    figure.text(12.8 / size[0], BETWEEN / size[1], note_of_model(train.run), fontsize=9,
+                ha="right", va="center")
     for scene in scenes:
         scene.set_train(train.passing.x[row])
     low, high = model_drawing.close_up(train.run)
@@ -211,8 +220,7 @@ def draw_model(train, folder):
     half = 0.5 * (high - low) * 12.2 / 1.7
     close.set_xlim(middle - half, middle + half)
     panel.set_xlabel("")
-    panel.set_title(f"{model_drawing.heading(train.run)}\n"
-                    f"{instant_shown(train, row, bool(forces))}", fontsize=10)
+    panel.set_title(instant_shown(train, row, bool(forces)), fontsize=11)
     panel.indicate_inset((middle - half, low, 2 * half, high - low), edgecolor="k", lw=1)
     return figure
 

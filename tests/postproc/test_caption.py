@@ -181,12 +181,15 @@ def test_the_model_states_its_instant_and_hides_no_vehicle(tmp_path, with_files)
     chosen = next(time for time in test_film.TIMES[::-1]
                   if 40 * (time - 2.5) - 2.5 < 18.6 + model_drawing.BEYOND)
     words = panel.get_title()
-    assert f"stones and sleepers at the end of the run, {run.time[-1]:.3f} s" in words
-    assert ("Vehicle and contact forces at " in words) == with_files
-    assert not with_files or f"at {chosen:.3f} s, when the largest contact force" in words
+    assert "\n" not in words and ("Contact forces at " in words) == with_files
+    assert not with_files or f"at {chosen:.3f} s, the instant of the largest one" in words
+    note = next(text for text in figure.texts if "stones and sleepers:" in text.get_text())
+    assert f"sleepers: end of the run, {run.time[-1]:.3f} s" in note.get_text()
     assert len(figure.legends) == int(with_files) and panel.get_legend() is None
     direction, = [text for text in figure.texts if text.get_text() == model_drawing.DIRECTION]
-    for one in (*figure.legends, direction):
-        for each in figure.axes:
-            assert not one.get_window_extent().overlaps(each.get_tightbbox())
+    between = [*figure.legends, direction, note]
+    for number, one in enumerate(between):
+        box = one.get_window_extent()
+        assert not any(box.overlaps(each.get_tightbbox()) for each in figure.axes)
+        assert not any(box.overlaps(each.get_window_extent()) for each in between[:number])
     plt.close(figure)

@@ -92,10 +92,11 @@ def test_the_flank_of_a_lobe_is_no_lobe():
 def test_how_far_lobes_are_compared(runs):
     """Twice the speed over the length of the train; of loads without rail that of their axles."""
     long = test_postproc.with_train(runs[0], test_postproc.WAGONS[:4], 1)
-    assert frequencies.beside(long, {}) == pytest.approx(2 * 20 / 10.8)
-    assert frequencies.beside(runs[0], {}) == pytest.approx(2 * 20 / 10.5)
+    assert frequencies.beside(long, {"v/s": 40.0}) == pytest.approx(2 * 20 / 10.8)
+    assert frequencies.beside(runs[0], {"v/s": 40.0}) == pytest.approx(2 * 20 / 10.5)
     unknown = dataclasses.replace(long, wheel={})
     assert frequencies.beside(unknown, {"v/s": 40.0}) == 60.0
+    assert frequencies.beside(unknown, {}) == 0.0
 
 
 def test_how_far_a_peak_may_be_from_its_frequency():
