@@ -22,7 +22,7 @@ MEAN = "mean wheel force over the bed, kN"
 SLEEPERS, SLEEPERS_PLAIN = (f"the same of the sleepers {where}, mm/m" for where in (
     "in the transition", "on plain track"))
 SLEEPERS_REACHED = "the same distance for the level of the sleepers, m"
-SETTLEMENT = "settlement of sleepers into the bed, relative to the ground, mean, mm"
+SETTLEMENT = "settlement of sleepers into the bed, relative to the ground, largest, mm"
 SENTENCES = {
     f"Without the wedge, 90 % of this increase is reached {N} m behind the structure, with the "
     f"wedge {N} m behind it": ((REACHED, 1), (REACHED, 0)),
@@ -35,7 +35,7 @@ SENTENCES = {
     f"their steepest change shows no clear effect: it is {N} mm/m without the wedge and {N} mm/m "
     f"with it, on plain track up to {N} mm/m":
         ((SLEEPERS, 1), (SLEEPERS, 0), (SLEEPERS_PLAIN, max)),
-    f"settle by {N} mm in the mean with the wedge and by {N} mm without":
+    f"settle by at most {N} mm with the wedge and {N} mm without in the passage":
         ((SETTLEMENT, 0), (SETTLEMENT, 1)),
     f"the largest there is {N} kN with the wedge and {N} kN without, on plain track {N} and {N} "
     f"kN, on the structure {N} and {N} kN, and the mean over the bed is {N} kN":
