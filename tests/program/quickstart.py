@@ -20,9 +20,10 @@ from results import checkpoint, histories  # noqa: E402
 CELL = ["stage.fill.duration=0.15", "stage.compact.duration=0.1", "platen.speed=2",
         "stage.release.duration=0.005", "stage.rest.duration=0.005"]
 DECK = ["stage.lay.duration=0.002", "stage.sleepers.duration=0.02", "stage.bed_in.duration=0.005",
-        "stage.bed_in.cycles=1", "train.speed=900", "output.fields_interval=0.01"]
+        "stage.bed_in.cycles=1", "stage.rest.duration=0.005", "train.speed=900",
+        "output.fields_interval=0.01"]
 NO_WEDGE = ["ground.block.wedge.present=false", "ground.block.wedge_surface.present=false"]
-STAGES = ["lay", "sleepers", "bed_in", "first_train", "train"]
+STAGES = ["lay", "sleepers", "bed_in", "rest", "first_train", "train"]
 
 
 def draw(source, *words):
@@ -85,6 +86,14 @@ def check_ends(made):
             raise SystemExit(f"{stones} mm on stones and {springs} mm on springs: {text}")
 
 
+def between_rows(found, name, time):
+    """Of a history, linear in time."""
+    rows = found["time"].ravel()
+    after = min(max(int(np.searchsorted(rows, time)), 1), len(rows) - 1)
+    part = (time - rows[after - 1]) / (rows[after] - rows[after - 1])
+    return (1 - part) * found[name][after - 1] + part * found[name][after]
+
+
 def check_rail(made):
     """Field files have the rail of the whole track, with the displacements of the histories above
     the sleepers of the bed; without these it has the same height at all times."""
@@ -97,11 +106,12 @@ def check_rail(made):
             x, _, z = group["Points"][:ends].astype(float).T
             moved = group["PointData/displacement"][:ends, 2].astype(float)
             time = group["FieldData/TimeValue"][0]
-        row = np.argmin(np.abs(found["time"].ravel() - time))
         at = [np.argmin(np.abs(x - 0.6 * (k + 1))) for k in range(31)]
-        off = np.abs(moved[at] - found["rail/displacement"][row]).max()
-        # A row may be up to half an interval of rows, 0.5 ms, before or after the file.
-        if not np.allclose((x.min(), x.max()), (-9.0, 31.8), atol=1e-4) or off > 5e-4:
+        off = np.abs(moved[at] - between_rows(found, "rail/displacement", time)).max()
+        # Rows are 1 ms apart, between which the displacement is not quite linear in time, and the
+        # last file is behind the last row.
+        if not np.allclose((x.min(), x.max()), (-9.0, 31.8), atol=1e-4) or (
+                off > 0.02 * np.abs(moved).max()):
             raise SystemExit(f"{path}: rail from {x.min()} to {x.max()} m, off by {off} m")
         levels.append(z - moved)
     if len(levels) < 3 or np.ptp(levels, axis=0).max() > 1e-6:
@@ -161,7 +171,7 @@ def main():
                  folder / "no_wedge")
     both = " ".join(figures(source, folder, "wedge", "no_wedge", film=True).split())
     # Such a bed settles under the trains: the levels may allow no verdict, but the decks do.
-    if "With the wedge, " not in both and " differ by " not in both:
+    if "With the wedge the " not in both and " differ by " not in both:
         raise SystemExit(f"no verdict on the wedge: {both}")
     for runs, why in ((("wedge",), "give a second run"),
                       (("no_wedge", "wedge"), "must have all blocks of the second")):

@@ -252,7 +252,8 @@ WARNED = {"stage.passage.ground_moves=false":
           'output.fields_stages=["load"]': "has no effect without fields = true",
           "time.step=1e-9": "less than a thousandth of the stable step",
           "stage.sleepers.height=0.15 stage.sleepers.profile=0.1":
-              "is not above the lower faces of the sleepers",
+              "is below the lower faces of the sleepers",
+          "stage.passage.friction=0": "stones without friction do not carry sleepers",
           "contact.0.friction=0": "stones without friction do not carry sleepers",
           "material.ballast.density=1600": "is it the bulk density of the ballast?",
           "dem.gravity=0": "is not that of the earth, 9.81 m/s2",

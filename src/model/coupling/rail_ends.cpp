@@ -52,8 +52,10 @@ Factors bed_factors(const track::LineParameters& line, std::size_t first, double
 }
 
 std::string remedy(const Factors& bed, bool stiffer) {
-  if (bed.wanted < 0) return stiffer ? "make the springs stiffer" : "make the springs softer";
-  return fmt::format("give `bed` of about {:.2g} instead of {:.3g} in the [[track.zone]] there",
+  if (bed.wanted < 0)
+    return fmt::format("make the springs {} (`bed` of a [[track.zone]], [ballast])",
+                       stiffer ? "stiffer" : "softer");
+  return fmt::format("give `bed` of about {:.2g} instead of {:.3g} in a [[track.zone]] there",
                      bed.wanted, bed.now);
 }
 

@@ -88,29 +88,43 @@ void declare_ballast(const Model& model, input::Section& s) {
   const input::About about{.severity = input::Severity::warning,
                            .reads = {"contact", "material", "bed", "sleepers", "dem", "stage"}};
   const std::string& stones = model.bed.material;
+  constexpr const char* without_friction = "stones without friction do not carry sleepers";
+  bool used = false;  // friction of contact laws, which stages may replace
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const Stage& stage = model.stages[i];
+    const bool loads = stage.kind == StageKind::load || stage.kind == StageKind::passage;
+    used = used || (loads && stage.friction < 0);
+    s.rule(fmt::format("stage[{}].friction", i), !loads || stage.friction != 0, without_friction,
+           about);
+  }
   for (std::size_t i = 0; i < model.physics.laws.size(); ++i) {
     const dem::ContactLaw& law = model.physics.laws[i];
-    const auto carries = [&](const std::string& name) {
-      return name == stones || name == model.sleepers.material;
+    const auto between = [&](const std::string& one, const std::string& other) {
+      return one == stones && (other == stones || other == model.sleepers.material);
     };
-    s.rule(fmt::format("contact[{}].friction", i),
-           law.friction > 0 || !carries(law.first) || !carries(law.second),
-           "stones without friction do not carry sleepers", about);
+    const bool carries = between(law.first, law.second) || between(law.second, law.first);
+    s.rule(fmt::format("contact[{}].friction", i), law.friction > 0 || !carries || !used,
+           without_friction, about);
   }
   constexpr double rock = 1900;  // kg/m3, below that of any rock used as ballast
   const int material = model.material(stones);
   if (material >= 0)
-    s.rule(fmt::format("material[{}].density", material),
-           model.physics.materials[static_cast<std::size_t>(material)].density >= rock,
-           "is less than that of rock, 2400 to 3200 kg/m3; is it the bulk density of the ballast?",
-           about);
+    s.rule(
+        fmt::format("material[{}].density", material),
+        model.physics.materials[static_cast<std::size_t>(material)].density >= rock,
+        fmt::format("is below {:g} kg/m3; rock has 2400 to 3200 kg/m3: is it the bulk density of "
+                    "the ballast?",
+                    rock),
+        about);
   constexpr double low = 9, high = 10.5;  // m/s2
   s.rule("dem.gravity", model.dem.gravity >= low && model.dem.gravity <= high,
          fmt::format("is not that of the earth, {:g} m/s2: stones and sleepers have another weight",
                      gravity),
          about);
   const auto& free = model.sleepers.free;
-  s.rule("sleepers.free", std::find(free.begin(), free.end(), "z") != free.end(),
+  s.rule("sleepers.free",
+         model.sleepers.model == track::SleeperBody::solid ||
+             std::find(free.begin(), free.end(), "z") != free.end(),
          "does not contain z: the sleepers do not move vertically, and their loads do not reach "
          "the bed",
          about);

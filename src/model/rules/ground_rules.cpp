@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "model/rules/ground_alone.hpp"
 #include "model/rules/limits.hpp"
@@ -283,6 +284,33 @@ void declare_held_again(const Model& model, input::Section& s) {
            {.severity = input::Severity::warning, .reads = {"stage"}});
     moved = moved || moves;
   }
+}
+
+// The ground begins in equilibrium with an exponential mean of the load of the bed. After cycles
+// the mean contains a part of the load that has just been removed: for (1 - cos(2 pi t/T))/2 until
+// t = 0 and a time constant of tau, x^2/(1 + x^2)/2 of it, x = 2 pi tau/T. The ground then rises by
+// it.
+void declare_begin_of_motion(const Model& model, input::Section& s) {
+  const auto& stages = model.stages;
+  const auto first = std::find_if(stages.begin(), stages.end(),
+                                  [](const Stage& stage) { return stage.ground_moves; });
+  if (!model.ground.present || first == stages.begin() || first == stages.end()) return;
+  const Stage& before = *std::prev(first);
+  if (before.kind != StageKind::load) return;
+  const double period =
+      before.cycles > 0 ? before.duration / static_cast<double>(before.cycles) : 2 * before.ramp;
+  const double x = 2 * std::numbers::pi * model.settle_average / std::max(period, 1e-9);
+  const double remaining = before.load * x * x / (1 + x * x) / 2;  // N, on each sleeper
+  constexpr double noticeable = 0.1, constants = 5;
+  s.rule(fmt::format("stage[{}].ground_moves", first - stages.begin()),
+         remaining <= noticeable * before.seat_force,
+         fmt::format("begins in equilibrium with a mean load of the bed that still contains {:.2g} "
+                     "kN on each sleeper of stage \"{}\" (settle_average = {:g} s), and rises when "
+                     "it is gone; put a stage of kind run with the same seat_force and at least "
+                     "{:g} s between both",
+                     remaining / 1e3, before.name, model.settle_average,
+                     constants * model.settle_average),
+         {.severity = input::Severity::warning, .reads = {"stage", "settle_average", "ground"}});
 }
 
 void declare_delay(const Model& model, input::Section& s) {

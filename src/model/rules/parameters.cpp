@@ -229,6 +229,7 @@ void Model::declare(input::Section& s) {
   declare_ground_mesh(*this, s);
   declare_delay(*this, s);
   declare_held_again(*this, s);
+  declare_begin_of_motion(*this, s);
   track.declare(s);
   sleepers.gauge = has_train() ? track.line.track.wheel_gauge() : load.gauge;
   declare_train(*this, s);

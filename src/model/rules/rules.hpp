@@ -21,6 +21,8 @@ void declare_ground_sides(const Model& model, input::Section& s);
 void declare_delay(const Model& model, input::Section& s);
 // Warns of a ground that is held in a stage after it moved.
 void declare_held_again(const Model& model, input::Section& s);
+// Warns of a load just before the ground begins to move, of which it would still contain a part.
+void declare_begin_of_motion(const Model& model, input::Section& s);
 // Parameters without effect: sides that a plane model does not have, `sides` if each side has its
 // own kind. Blocks of a plane model have no position across the track.
 void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension,

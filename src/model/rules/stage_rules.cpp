@@ -185,10 +185,13 @@ void declare_heights(const Model& model, input::Section& s) {
                        "{:g} times its height)",
                        bed, above),
            {.severity = input::Severity::warning, .reads = {sleepers, "bed"}});
+    const bool fills_later =
+        std::any_of(model.stages.begin() + static_cast<std::ptrdiff_t>(i), model.stages.end(),
+                    [](const Stage& later) { return later.kind == StageKind::cribs; });
     s.rule(fmt::format("stage[{}].profile", i),
-           !places || stage.profile == 0 || stage.height == 0 || stage.profile > stage.height,
-           fmt::format("is not above the lower faces of the sleepers (height = {:g} m): it removes "
-                       "the ballast beside and below them; the top of the sleepers is at {:.4g} m",
+           !places || fills_later || stage.profile == 0 || stage.profile >= stage.height,
+           fmt::format("is below the lower faces of the sleepers (height = {:g} m): it removes "
+                       "the ballast below them; the top of the sleepers is at {:.4g} m",
                        stage.height, stage.height + model.sleepers.height),
            {.severity = input::Severity::warning,
             .reads = {sleepers, fmt::format("stage[{}].profile", i), "sleepers"}});

@@ -173,7 +173,7 @@ void declare_ends(const Model& model, input::Section& s) {
 }
 
 // A rail distributes the load of a wheel over several sleepers; that below it carries a third to
-// two thirds. A bed that was loaded by less than it is to carry settles under the train.
+// two thirds. A bed that was loaded by less than it is to carry may settle under the train.
 void declare_bedding_in(const Model& model, input::Section& s) {
   constexpr double least = 0.6, most = 5;  // of the load of a wheel
   if (!train_of(model.track)) return;
@@ -201,10 +201,10 @@ void declare_bedding_in(const Model& model, input::Section& s) {
   s.rule(key, loaded == 0 || loaded >= least * wheel,
          fmt::format("loads each sleeper by {:.3g} kN together with seat_force, less than {:g} "
                      "times the largest static load of the wheels above it, {:.3g} kN: the train "
-                     "brings more, and the bed settles under it",
+                     "may bring more, of which the bed would settle",
                      loaded / 1e3, least, wheel / 1e3),
          about);
-  s.rule(key, loaded <= most * wheel,
+  s.rule(key, wheel == 0 || loaded <= most * wheel,
          fmt::format("loads each sleeper by {:.3g} kN together with seat_force, more than {:g} "
                      "times the largest static load of the wheels above it, {:.3g} kN; is it in N?",
                      loaded / 1e3, most, wheel / 1e3),
@@ -318,6 +318,16 @@ void declare_sides(const Model& model, input::Section& s) {
          {.severity = input::Severity::warning, .reads = about.reads});
 }
 
+// Whether fields are written in a stage with a train.
+bool writes_the_train(const Model& model) {
+  const std::vector<std::string>& names = model.output.fields_stages;  // empty: all
+  return model.output.fields &&
+         std::any_of(model.stages.begin(), model.stages.end(), [&](const Stage& stage) {
+           return stage.train && (names.empty() ||
+                                  std::find(names.begin(), names.end(), stage.name) != names.end());
+         });
+}
+
 // The mass per rail of sleepers of the bed and on springs should be similar; otherwise one of them
 // is most likely that of the whole sleeper.
 void declare_warnings(const Model& model, input::Section& s) {
@@ -347,10 +357,11 @@ void declare_warnings(const Model& model, input::Section& s) {
                   between, bed.spacing, bed.spacing / 2 / fastest),
       {.severity = input::Severity::warning, .reads = {"output", "train", "sleepers", "stage"}});
   const double passing = track.length / std::max(fastest, 1e-9);  // s, of an axle
-  s.rule("output.fields_interval", !model.output.fields || model.output.fields_interval < passing,
+  s.rule("output.fields_interval",
+         !writes_the_train(model) || model.output.fields_interval < passing,
          fmt::format("is longer than an axle takes over the track, {:.3g} s: hardly any file shows "
-                     "the train; a film has at least 100 files ({:.2g} s)",
-                     passing, passing / 100),
+                     "the train; give at most {:.2g} s for a film",
+                     passing, passing / 30),
          {.severity = input::Severity::warning, .reads = {"output", "train", "track", "stage"}});
   const TrackOutput none;
   const TrackOutput& passage = model.track.passage;

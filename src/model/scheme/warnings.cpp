@@ -127,24 +127,20 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
 std::string warning_of_steps(const Model& model, std::span<const StageRecord> done) {
   std::vector<std::string> stages;
   double least = std::numeric_limits<double>::infinity();  // s
-  double part = 1;                                         // of the sub-step, the smallest
   for (const StageRecord& stage : done) {
     if (stage.stable_step == 0 || stage.stable_step >= stage.step()) continue;
-    part = std::min(part, stage.stable_step / stage.step());
     stages.push_back(
         fmt::format("{} ({:.2f} times)", stage.name, stage.step() / stage.stable_step));
     least = std::min(least, stage.stable_step);
   }
   if (stages.empty()) return {};
-  const std::string safety = model.time.step > 0
-                                 ? ""
-                                 : fmt::format("dem.safety of at most {:.2g}, or ",
-                                               std::floor(100 * part * model.dem.safety) / 100);
+  const std::string safety =
+      model.time.step > 0 ? ""
+                          : fmt::format(", or a smaller dem.safety than {:g}", model.dem.safety);
   return fmt::format(
       "sub-steps are longer than the contacts at the end of these stages allow: {}; forces of some "
-      "stones can alternate there from sub-step to sub-step: give {}time.step of "
-      "at most {:.3g} s",
-      fmt::join(stages, ", "), safety, least);
+      "stones can alternate there from sub-step to sub-step: give time.step of at most {:.3g} s{}",
+      fmt::join(stages, ", "), least, safety);
 }
 
 // The height to which the energy would lift the bed if nothing dissipated it.
