@@ -178,6 +178,9 @@ WARNED = {"stage.passage.ground_moves=false":
               "holds the ground, which moves in a stage before: it keeps its deformation",
           "stage.load.settlement=0.2": "usual values (at most 0.002 m)",
           f"{TRAIN} train.speed=120": "usual values (1 to 100 m/s)",
+          "stage.load.ground_moves=false":
+              "begins in equilibrium with a mean load of the bed that still contains 0.52 kN",
+          f"{TRAIN} stage.load.load=20e3": "less than 0.6 times the largest static load",
           f"{TRAIN} stage.load.load=4e6": "more than 5 times the largest static load",
           f"{TRAIN} output.fields=true output.fields_interval=60":
               "hardly any file shows the train",

@@ -301,9 +301,9 @@ void declare_begin_of_motion(const Model& model, input::Section& s) {
       before.cycles > 0 ? before.duration / static_cast<double>(before.cycles) : 2 * before.ramp;
   const double x = 2 * std::numbers::pi * model.settle_average / std::max(period, 1e-9);
   const double remaining = before.load * x * x / (1 + x * x) / 2;  // N, on each sleeper
-  constexpr double noticeable = 0.1, constants = 5;
+  constexpr double noticeable = 0.1, negligible = 0.01, constants = 5;
   s.rule(fmt::format("stage[{}].ground_moves", first - stages.begin()),
-         remaining <= noticeable * before.seat_force,
+         remaining <= std::max(noticeable * before.seat_force, negligible * before.load),
          fmt::format("begins in equilibrium with a mean load of the bed that still contains {:.2g} "
                      "kN on each sleeper of stage \"{}\" (settle_average = {:g} s), and rises when "
                      "it is gone; put a stage of kind run with the same seat_force and at least "
