@@ -19,7 +19,8 @@ from part import part  # noqa: E402
 def commands(text):
     """Words of the lines that check a deck and need no results of a run."""
     for block in re.findall(r"^```\n(.*?)^```", text, re.M | re.S):
-        for line in block.replace("\\\n", "").splitlines():
+        # A value in quotes may continue on the next line.
+        for line in re.findall(r"(?:'[^']*'|[^'\n])+", block.replace("\\\n", "")):
             if line.startswith("trackbed check ") and not line.endswith("# run"):
                 yield shlex.split(line)[1:]
 
