@@ -16,6 +16,9 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
 from results import checkpoint, histories  # noqa: E402
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "postproc"))
+from trackbed_post import ground_blocks, read, zones  # noqa: E402
+
 # A loose bed, hardly bedded in; the train passes at 900 m/s.
 CELL = ["stage.fill.duration=0.15", "stage.compact.duration=0.1", "platen.speed=2",
         "stage.release.duration=0.005", "stage.rest.duration=0.005"]
@@ -122,6 +125,17 @@ def check_rail(made):
         raise SystemExit(f"the unloaded rail is drawn at {levels[0]}, not at {wanted} m")
 
 
+def check_parts(stated, run):
+    """`check` counts the sleepers that comparisons judge as these do, if only blocks change the
+    track."""
+    zone = zones.zone_of(run, ground_blocks.wedge_length(run))
+    words = (f"with {zone.structure.sum()} sleepers that comparisons judge",
+             f"plain track from x = {run.sleepers_x[zone.plain].min():g} m or later with at most "
+             f"{zone.plain.sum()}")
+    if not all(each in stated for each in words):
+        raise SystemExit(f"check must state {words}: {stated}")
+
+
 def check_surfaces(made):
     """Contacts name the surfaces as their own files do; the ground, 0, is no surface there."""
     files = sorted((made / "fields").glob("train_*_contacts.hdf"))
@@ -166,6 +180,7 @@ def main():
         raise SystemExit(f"the deck has the stages {stages}")
     check_ends(folder / "wedge")
     check_rail(folder / "wedge")
+    check_parts(program.done(1, "check", *deck).stdout, read.results(folder / "wedge"))
     check_surfaces(folder / "wedge")
     program.done(1, "run", *deck, *NO_WEDGE, f"start={folder / 'wedge/stage_bed_in.h5'}", "-o",
                  folder / "no_wedge")

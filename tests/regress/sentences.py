@@ -254,7 +254,8 @@ WARNED = {"stage.passage.ground_moves=false":
           "output.ground_extremes=true": "has no effect without fields = true",
           'output.fields_stages=["load"]': "has no effect without fields = true",
           "time.step=1e-9": "less than a thousandth of the stable step",
-          "stage.sleepers.height=0.15 stage.sleepers.profile=0.1":
+          "stage.sleepers.height=0.15 stage.sleepers.profile=0.1 stage.cribs.kind=run "
+          "stage.cribs.profile=0":
               "is below the lower faces of the sleepers",
           "stage.passage.friction=0": "stones without friction do not carry sleepers",
           "contact.0.friction=0": "stones without friction do not carry sleepers",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "model/check/comparison.hpp"
 #include "model/check/estimate.hpp"
 #include "model/check/placed_check.hpp"
 #include "model/check/scaling.hpp"
@@ -31,6 +32,7 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
   StageActions actions(world, model);
   say_model(world, given.name);
   if (!given.ground.empty()) say(comm, given.ground);
+  if (const std::string words = words_of_comparison(model); !words.empty()) say(comm, words);
   if (world.ground) observe::Sensors(comm, model.sensors, model.dem.gravity).locate(*world.ground);
   const auto megabytes = [&] { return static_cast<double>(world.memory()) / (1024 * 1024); };
   double memory = megabytes();

@@ -1,0 +1,142 @@
+// The rules of postproc/trackbed_post/ground_blocks.py, which judges finished runs: a structure is
+// as stiff as concrete and deep, all other blocks are measures, and sleepers at the ends of the bed
+// are not judged. Where rail and ground have changed is known only after a run; so plain track may
+// begin later than stated here.
+#include "model/check/comparison.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace trackbed::model {
+
+namespace {
+
+constexpr double concrete = 10e9;  // Pa, least Young's modulus of a structure
+constexpr double deep = 0.5;       // of the depth of the ground
+constexpr double tiny = 1e-9;      // m
+constexpr std::size_t ends_on_springs = 3, ends_at_walls = 1;  // sleepers that are not judged
+constexpr double behind = 2;    // spacings, from the last change to plain track
+constexpr std::size_t few = 2;  // sleepers that each part needs
+
+struct Extent {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  void add(double value) { low = std::min(low, value), high = std::max(high, value); }
+};
+
+struct Outline {
+  Extent x, z;
+  bool stiff = false;
+  explicit Outline(const fem::Block& block) : stiff(block.solid.young >= concrete) {
+    for (std::size_t k = 0; k + 1 < block.outline.size(); k += 2)
+      x.add(block.outline[k]), z.add(block.outline[k + 1]);
+  }
+  bool stands_on(const Outline& lower) const {
+    const double common = std::min(x.high, lower.x.high) - std::max(x.low, lower.x.low);
+    return z.low - tiny <= lower.z.high && lower.z.high < z.high - tiny &&
+           common >= (x.high - x.low) / 2 - tiny;
+  }
+};
+
+// Lowest z of a block and of the stiff ones on which it stands.
+double bottom_of(const Outline& top, const std::vector<Outline>& blocks) {
+  std::vector<const Outline*> column = {&top};
+  for (std::size_t k = 0; k < column.size(); ++k)
+    for (const Outline& lower : blocks)
+      if (lower.stiff && column[k]->stands_on(lower) &&
+          std::find(column.begin(), column.end(), &lower) == column.end())
+        column.push_back(&lower);
+  double bottom = 0;
+  for (const Outline* each : column) bottom = std::min(bottom, each->z.low);
+  return bottom;
+}
+
+struct Parts {
+  Extent structure;             // m
+  double edge = 0;              // m, its end inside the ground
+  double turn = 1;              // +1 or -1: from the edge away from the structure
+  double changed = 0;           // m behind the edge, to the end of all measures
+  std::size_t on = 0, off = 0;  // sleepers that are judged on the structure and on plain track
+};
+
+std::optional<Parts> parts_of(const Model& model) {
+  const fem::GroundParameters& ground = model.ground;
+  std::vector<Outline> blocks;
+  for (const fem::Block& block : ground.blocks)
+    if (block.present && block.outline.size() >= 6) blocks.emplace_back(block);
+  double depth = 0;
+  for (const fem::Layer& layer : ground.layers) depth += layer.thickness;
+  const auto structural = [&](const Outline& block) {
+    return block.stiff && -bottom_of(block, blocks) >= deep * depth - tiny;
+  };
+  const auto inside = [&](double x) { return x > ground.x[0] + tiny && x < ground.x[1] - tiny; };
+  // Structures along x; those that touch are one.
+  std::vector<Extent> structures;
+  std::sort(blocks.begin(), blocks.end(),
+            [](const Outline& a, const Outline& b) { return a.x.low < b.x.low; });
+  for (const Outline& block : blocks) {
+    if (!structural(block) || block.z.high < -tiny) continue;
+    if (!structures.empty() && block.x.low <= structures.back().high + tiny)
+      structures.back().add(block.x.high);
+    else
+      structures.push_back(block.x);
+  }
+  const auto found = std::find_if(structures.begin(), structures.end(), [&](const Extent& each) {
+    return inside(each.low) || inside(each.high);
+  });
+  if (found == structures.end()) return {};
+  Parts parts{.structure = *found};
+  parts.turn = inside(found->high) ? 1 : -1;
+  parts.edge = parts.turn > 0 ? found->high : found->low;
+  for (const Outline& block : blocks)
+    if (!structural(block))
+      parts.changed = std::max({parts.changed, parts.turn * (block.x.low - parts.edge),
+                                parts.turn * (block.x.high - parts.edge)});
+  return parts;
+}
+
+void count_sleepers(const Model& model, Parts& parts) {
+  const track::SleeperParameters& sleepers = model.sleepers;
+  const auto count = static_cast<std::size_t>(sleepers.count);
+  std::size_t ends = 0;
+  for (const std::size_t each : {ends_at_walls, ends_on_springs})
+    if (count > 2 * each && (each == ends_at_walls || model.has_train())) ends = each;
+  for (std::size_t k = ends; k + ends < count; ++k) {
+    const double x = sleepers.first + static_cast<double>(k) * sleepers.spacing;
+    const double distance = parts.turn * (x - parts.edge);
+    parts.on += distance <= -sleepers.spacing + tiny && x >= parts.structure.low - tiny &&
+                x <= parts.structure.high + tiny;
+    parts.off += distance >= parts.changed + behind * sleepers.spacing - tiny;
+  }
+}
+
+}  // namespace
+
+std::string words_of_comparison(const Model& model) {
+  const fem::GroundParameters& ground = model.ground;
+  if (!ground.present || ground.blocks.empty() || ground.x.size() != 2 || ground.layers.empty() ||
+      model.sleepers.count < 1 || !model.has_stage(StageKind::passage))
+    return "";
+  std::optional<Parts> parts = parts_of(model);
+  if (!parts)
+    return fmt::format(
+        "  transition: no block is a structure (at least {:g} GPa, from the surface over at least "
+        "half of the depth of the ground): comparisons give no verdict",
+        concrete / 1e9);
+  count_sleepers(model, *parts);
+  const double plain =
+      parts->edge + parts->turn * (parts->changed + behind * model.sleepers.spacing);
+  return fmt::format(
+      "  transition: structure up to x = {:g} m with {} sleepers that comparisons judge, plain "
+      "track "
+      "from x = {:g} m or later with at most {}{}",
+      parts->edge, parts->on, plain, parts->off,
+      std::min(parts->on, parts->off) < few
+          ? fmt::format("; a verdict needs at least {} on each", few)
+          : "");
+}
+
+}  // namespace trackbed::model
