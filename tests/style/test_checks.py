@@ -226,17 +226,22 @@ def test_every_document_has_a_chapter(tree_with):
 
 def test_numbers_of_the_readme_are_compared(tmp_path):
     root = pathlib.Path(__file__).resolve().parents[2]
-    for name in ("README.md", "docs/images/quickstart.dat"):
+    deck = "inputs/quickstart.toml"
+    for name in ("README.md", "docs/images/quickstart.dat", deck):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text((root / name).read_text())
-    assert readme.check(tmp_path) == ([], 21)
+    assert readme.check(tmp_path) == ([], 23)
     text = (tmp_path / "README.md").read_text()
     number = re.search(r"is (0\.\d\d) mm/m", text).group(1)
     (tmp_path / "README.md").write_text(
         text.replace(f"is {number} mm/m", f"is {float(number) + 0.01:.2f} mm/m"))
     assert len(readme.check(tmp_path)[0]) == 1
-    (tmp_path / "README.md").write_text(text.replace("mean over the bed", "mean"))
+    (tmp_path / "README.md").write_text(re.sub(r"mean\s+over the bed", "mean", text))
     assert "no sentence" in readme.check(tmp_path)[0][0]
+    (tmp_path / "README.md").write_text(text)
+    (tmp_path / deck).write_text(
+        (root / deck).read_text().replace("load = 100e3", "load = 80e3"))
+    assert "12 times with 80 kN" in readme.check(tmp_path)[0][0]
 
 
 @pytest.mark.parametrize("name, old, new, expected", [
