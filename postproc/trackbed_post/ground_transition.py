@@ -291,12 +291,13 @@ def effect(first: Transition, second: Transition, spacing: float, measure: str,
         lines.append(f"ground displacement on {plain_track((first, second))}: {far:+.0%}: " + (
             f"differs by more than {CLEAR:.0%}, although {nothing}: the runs are not comparable"
             if differs else
-            f"equal within {CLEAR:.0%}" + (", so the runs are comparable" if sound else "")))
+            f"equal within {CLEAR:.0%}" + (
+                ", so the runs are comparable" if sound and measure else "")))
     for what, found in differences(first, second, spacing).items():
-        if np.isfinite(found.change):
+        if not np.isnan(found.change):
             # The width refers to the plain track and is meaningless if that differs.
             unclear = differs and found.beside != judgement.PLAIN
-            lines.append(f"{_named(what, found)}: {found.change:+.0%}" + (
+            lines.append(f"{_named(what, found)}: {found.relative}" + (
                 "" if not sound else ": no verdict, since the plain tracks differ" if unclear else
                 f": {found.words(measure)}"))
     return lines

@@ -28,6 +28,15 @@ def shown(value: float, place: bool = False) -> str:
     return f"{value:.{max(digits, 0)}f}"
 
 
+def stated(value: float, unit: str) -> str:
+    """A number of a sentence with its unit, the same format in all texts: a distance to 0.1 m,
+    others with two digits, or three if there are as many before the point."""
+    if unit == "m":
+        return f"{value:.1f} m" if abs(value) >= 0.05 else "less than 0.1 m"
+    digits = f"{value:.0f}" if abs(value) >= 99.5 else f"{value:#.2g}".rstrip(".")
+    return f"{digits} {unit}"
+
+
 def why_no_comparison(first: read.Results, second: read.Results) -> str:
     """Why places of two runs cannot be compared; empty if they have the same edge."""
     if ground_blocks.same_edge(first, second):
@@ -84,9 +93,20 @@ class Difference:
 
     @property
     def change(self) -> float:
-        """Relative difference; nan if a value is missing or the reference is zero."""
+        """Relative difference; nan if a value is missing, and infinite from a reference of zero to
+        another value."""
         reference = self.second if math.isnan(self.reference) else self.reference
-        return (self.first - self.second) / abs(reference) if reference else math.nan
+        difference = self.first - self.second
+        if reference or not difference:
+            return difference / abs(reference) if reference else difference
+        return math.nan if math.isnan(difference) else math.copysign(math.inf, difference)
+
+    @property
+    def relative(self) -> str:
+        """The change in words; of one from zero both values, since it has no percentage."""
+        if math.isinf(self.change):
+            return f"{self.of_text(self.first)} instead of {self.of_text(self.second)}"
+        return f"{self.change:+.0%}"
 
     @property
     def of_itself(self) -> float:
@@ -102,9 +122,13 @@ class Difference:
         return abs(self.change) > CLEAR and self.larger_than_scatter
 
     def of_text(self, value: float) -> str:
-        """A value with its unit: three digits if there are as many before the point."""
-        shown = self.factor * value
-        return f"{shown:.0f} {self.unit}" if abs(shown) >= 100 else f"{shown:.2g} {self.unit}"
+        """A value with its unit."""
+        return stated(self.factor * value, self.unit)
+
+    @property
+    def limit(self) -> str:
+        """The scatter with its unit; a sleeper spacing, which is given, as it is."""
+        return f"{self.scatter:.3g} m" if self.unit == "m" else self.of_text(self.scatter)
 
     @property
     def expected(self) -> bool:
@@ -119,7 +143,7 @@ class Difference:
 
     def judged(self, measure: str) -> tuple[str, str]:
         """(verdict, the numbers from which it follows, or nothing)."""
-        limit = f"{self.beside}, {self.of_text(self.scatter)}"
+        limit = f"{self.beside}, {self.limit}"
         difference = f"the difference, {self.of_text(abs(self.first - self.second))}, is"
         if math.isnan(self.change):
             return "no verdict: the change is not known", ""

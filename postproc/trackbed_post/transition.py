@@ -73,12 +73,12 @@ class Train:
             found[k] = force[number == k].max()
         return (edges[:-1] + edges[1:]) / 2, found
 
-    def largest_force_in(self, sleepers):
-        """(N, x in m) of the largest force of any wheel between the first and last of these, in
-        its row of the histories."""
-        low, high = self.run.sleepers_x[sleepers][[0, -1]]
+    def largest_force_in(self, zone, low, high):
+        """(N, x in m) of the largest force of any wheel between these distances from the edge, m,
+        the second one excluded, in its row of the histories."""
         x, force = self.wheels()
-        x, force = x[there := (x >= low) & (x <= high)], force[there]
+        distance = np.interp(x, self.run.sleepers_x, zone.distance)
+        x, force = x[there := (distance >= low) & (distance < high)], force[there]
         most = int(np.argmax(force))
         return float(force[most]), float(x[most])
 
@@ -142,6 +142,7 @@ class Change:
     scatter: float    # m/m, largest between neighbouring sleepers on plain track
     sleeper_width: float     # m, from the edge to REACHED of the change of the sleepers themselves
     sleeper_steepest: float  # m/m, of the level of the sleepers themselves
+    sleeper_steepest_behind: float
     sleeper_scatter: float
     force: float      # N, largest wheel force in the transition
     force_x: float
@@ -163,47 +164,36 @@ def steepest_within(level, place, part):
 
 def changes_of(trains):
     """A Change of each train, or None if a run has no such zone. Plain track begins at the same
-    place in all designs, and has the same level, from which the width follows: the mean over them;
-    unless their structures end at different places."""
+    place in all designs, unless their structures end at different places."""
     runs = [train.run for train in trains]
     found = [zone_of(run, changing) for run, changing in zip(runs, zones.changing_of_each(runs))]
     if None in found:
         return None
-    plains = np.array([[np.median(level[zone.plain])
-                        for level in (train.rail_down(), train.sleeper_down())]
-                       for train, zone in zip(trains, found)])
-    same = all(ground_blocks.same_edge(runs[0], run) for run in runs[1:])
-    return [change_of(train, zone, plains.mean(axis=0) if same else plain)
-            for train, zone, plain in zip(trains, found, plains)]
+    return [change_of(train, zone) for train, zone in zip(trains, found)]
 
 
-def width_of(level, zone, goal):
-    """Distance from the edge to REACHED of the change from the structure to the level `goal`, m."""
-    return zones.rail_width(zone.distance, level, float(np.mean(level[zone.structure])),
-                            float(goal))
-
-
-def change_of(train, zone, goals):
-    """The Change of one train; `goals`: levels of rail and sleepers on plain track from which the
-    widths follow, m."""
+def change_of(train, zone):
+    """The Change of one train."""
     level, x = train.rail_down(), train.run.sleepers_x
-    steepest, steepest_x = steepest_within(level, x, zone.transition)
-    force, force_x = train.largest_force_in(zone.transition)
 
     def behind(place):
         return float(np.interp(place, x, zone.distance))
+    steepest, steepest_x = steepest_within(level, x, zone.transition)
+    sleepers, sleepers_x = steepest_within(train.sleeper_down(), x, zone.transition)
+    # A wheel stands on the structure up to its edge, also between two sleepers.
+    begin, end = zone.distance[zone.structure].min(), zone.distance[zone.plain].min()
+    force, force_x = train.largest_force_in(zone, 0, end)
     return Change(
         zone=zone, structure=float(np.mean(level[zone.structure])),
-        plain=float(np.median(level[zone.plain])), width=width_of(level, zone, goals[0]),
-        sleeper_width=width_of(train.sleeper_down(), zone, goals[1]), steepest=steepest,
+        plain=float(np.median(level[zone.plain])), width=zones.rail_width(zone, level),
+        sleeper_width=zones.rail_width(zone, train.sleeper_down()), steepest=steepest,
         steepest_x=steepest_x, steepest_behind=behind(steepest_x),
         scatter=steepest_within(level, x, zone.plain)[0],
-        sleeper_steepest=steepest_within(train.sleeper_down(), x, zone.transition)[0],
+        sleeper_steepest=sleepers, sleeper_steepest_behind=behind(sleepers_x),
         sleeper_scatter=steepest_within(train.sleeper_down(), x, zone.plain)[0],
-        force=force, force_x=force_x,
-        force_behind=behind(force_x),
-        force_structure=train.largest_force_in(zone.structure)[0],
-        force_plain=train.largest_force_in(zone.plain)[0],
+        force=force, force_x=force_x, force_behind=behind(force_x),
+        force_structure=train.largest_force_in(zone, begin, 0)[0],
+        force_plain=train.largest_force_in(zone, end, zone.last)[0],
         plain_begin=float(x[zone.plain].min()), plain_end=float(x[zone.plain].max()))
 
 

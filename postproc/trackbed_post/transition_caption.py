@@ -1,5 +1,5 @@
-"""The text below transition.png: at most four short sentences, on levels of rail and sleepers,
-wheel forces and limits. transition.txt has the whole verdict with all places and differences, and
+"""The text below transition.png: a few short sentences, on levels of rail and sleepers, wheel
+forces and limits. transition.txt has the whole verdict with all places and differences, and
 the warnings. Of `trains` and `changes` as in transition_verdict.py."""
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from trackbed_post import transition_verdict
 from trackbed_post.judgement import shown
 from trackbed_post.measures import TINY
-from trackbed_post.transition_verdict import length, slope, steepest
+from trackbed_post.transition_verdict import extends, length, slope, steepest
 
 if typing.TYPE_CHECKING:
     from trackbed_post.transition import Change, Train
@@ -20,12 +20,15 @@ def level(trains: list[Train], changes: list[Change]) -> str:
     """Over which length the rail's level changes and how steeply, of one run or two, without a
     verdict."""
     first, *second = changes
-    begin = f"{trains[0].name_first}, the" if second else "The"
-    extends, steep = (f"{of(first)}" + "".join(
-        f", {train.name} {of(change)}" for train, change in zip(trains[1:], second))
-        for of in (lambda change: length(change.width), steepest))
-    return (f"{begin} change of the rail's lowest level from structure to plain track extends over "
-            f"{extends}; its steepest part is {steep}.")
+    what = extends("the change of the rail's lowest level from structure to plain track",
+                   first.width)
+    words = f"{trains[0].name_first}, {what}" if second else what[:1].upper() + what[1:]
+    for train, change in zip(trains[1:], second):
+        both = np.isfinite([first.width, change.width]).all()
+        words += f", {train.name} {length(change.width) if both else extends('it', change.width)}"
+    begin, *others = steepest(changes)
+    steep = begin + "".join(f", {train.name} {one}" for train, one in zip(trains[1:], others))
+    return f"{words}; its steepest part is {steep}."
 
 
 def forces(trains: list[Train], changes: list[Change], unsound: str) -> str:
@@ -72,11 +75,11 @@ def limits(trains: list[Train], changes: list[Change]) -> str:
 
 def judged(trains: list[Train], changes: list[Change]) -> list[str]:
     """Of two runs with a verdict: effect on rail and sleepers, wheel forces, limits."""
-    both = ", instead of ".join(map(steepest, changes))
+    both = ", instead of ".join(steepest(changes))
     return [transition_verdict.effect(trains, changes, True),
+            f"The steepest change of the rail is {both}.",
             transition_verdict.of_sleepers(trains, changes, True), forces(trains, changes, ""),
-            f"Limits: the steepest change of the rail is {both}, and "
-            f"{limits(trains, changes)}"]
+            f"Limits: {limits(trains, changes)}"]
 
 
 def of(trains: list[Train], changes: list[Change] | None, unsound: str, warned: bool) -> str:

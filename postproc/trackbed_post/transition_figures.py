@@ -7,7 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from trackbed_post import (film_files, ground_blocks, judgement, measures, model_drawing, panels,
-                           read, shades, write)
+                           read, shades, transition_verdict, write)
 from trackbed_post.zones import REACHED
 
 # Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
@@ -34,11 +34,13 @@ def mark_judged(panel, trains, changes):
 
 def mark_places(force, level, trains, changes):
     """Where the steepest change and the largest wheel force of the transition are."""
+    hidden = transition_verdict.in_scatter(changes)  # stands for no place, as the text states
     for number, (train, change, style) in enumerate(zip(trains, changes, STYLES)):
         x, colour = train.run.sleepers_x, style["color"]
         there = np.abs(x - change.steepest_x) <= measures.spacing(train.run) / 2 + measures.TINY
-        level.plot(x[there], -1e3 * train.rail_down()[there], lw=8, alpha=0.35, color=colour,
-                   solid_capstyle="butt", label=f"steepest change, {train.name}")
+        if not hidden[number]:
+            level.plot(x[there], -1e3 * train.rail_down()[there], lw=8, alpha=0.35, color=colour,
+                       solid_capstyle="butt", label=f"steepest change, {train.name}")
         force.plot(change.force_x, 1e-3 * change.force, ls="", marker="os"[number], ms=9, mew=1.8,
                    mfc="none", color=colour, label=f"largest in the transition, {train.name}")
 

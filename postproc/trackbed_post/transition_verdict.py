@@ -13,7 +13,8 @@ import typing
 import numpy as np
 
 from trackbed_post import ground_blocks, ground_transition, measures, read
-from trackbed_post.judgement import CLEAR, Difference, measure_words, shown, why_no_pair
+from trackbed_post.judgement import (CLEAR, Difference, measure_words, shown, stated,
+                                     why_no_pair)
 from trackbed_post.zones import REACHED
 
 if typing.TYPE_CHECKING:
@@ -22,9 +23,8 @@ if typing.TYPE_CHECKING:
 Differences = dict[str, Difference]  # by names of fields, or of rows
 NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two designs may differ
 CELL = "bed.cell"
-# m, nearer to the end of the structure a place is at the end: it is stated to 0.1 m, and a wheel
-# moves by as much between two rows of the histories.
-AT_END = 0.1
+NO_EFFECT = "no clear effect"
+AT_END = 0.1  # m, nearer to the end of the structure a place is at the end: it is stated to 0.1 m
 
 
 def differences(trains: list[Train], changes: list[Change]) -> Differences:
@@ -97,16 +97,18 @@ def why_no_verdict(trains: list[Train], changes: list[Change] | None) -> str:
 
 
 def length(value: float) -> str:
-    """Distance behind the structure over which a level changes, to 0.1 m; of one that is never
-    reached the whole bed."""
-    if not np.isfinite(value):
-        return "the whole bed"
-    return f"{value:.1f} m" if value >= 0.05 else "less than 0.1 m"
+    """Distance behind the structure over which a level changes."""
+    return stated(value, "m")
+
+
+def extends(what: str, width: float) -> str:
+    """Over which distance behind the structure a level changes; `what`: this change in words."""
+    return f"{what} extends over {length(width)}" if np.isfinite(width) else \
+        f"the end of {what} is not reached"
 
 
 def slope(value: float) -> str:
-    """A change of level with two digits, also where the second one is a zero."""
-    return f"{1e3 * value:#.2g}".rstrip(".") + " mm/m"
+    return stated(1e3 * value, "mm/m")
 
 
 def place(behind: float) -> str:
@@ -117,21 +119,29 @@ def place(behind: float) -> str:
     return f"{abs(behind):.1f} m {side} the structure"
 
 
-def in_scatter(change: Change) -> bool:
-    """Whether the steepest change of the rail in the transition is not larger than what a bed of
-    stones has where nothing changes along the track."""
-    return change.steepest <= change.scatter
+def in_scatter(changes: list[Change], of: str = "") -> list[bool]:
+    """Of each run, whether its steepest change in the transition is not larger than what the beds
+    of stones have where nothing changes along the track: the larger scatter of all runs. `of`:
+    "sleeper_" of the sleepers' own levels, otherwise the rail's."""
+    scatter = max(getattr(change, f"{of}scatter") for change in changes)
+    return [getattr(change, f"{of}steepest") <= scatter for change in changes]
 
 
-def steepest(change: Change) -> str:
-    """The steepest change of a run, with its place if it stands for the transition."""
-    return f"{slope(change.steepest)}, not larger than the scatter" if in_scatter(change) else \
-        f"{slope(change.steepest)}, {place(change.steepest_behind)}"
+def steepest(changes: list[Change], of: str = "") -> list[str]:
+    """The steepest change of each run, with its place if it stands for the transition."""
+    found = []
+    for change, unclear in zip(changes, in_scatter(changes, of)):
+        where = "not larger than the scatter" if unclear else \
+            place(getattr(change, f"{of}steepest_behind"))
+        found.append(f"{slope(getattr(change, f'{of}steepest'))}, {where}")
+    return found
 
 
 def less_steep(found: Difference) -> str:
     """How steep the steepest change of the first run is beside that of the second."""
     change = found.change
+    if np.isinf(change):
+        return "steeper"
     if not abs(change) >= 0.005:  # would be 0 %
         return "as steep" if change == change else "not comparable"
     return f"{abs(change):.0%} {'less steep' if change < 0 else 'steeper'}"
@@ -145,7 +155,7 @@ def effect(trains: list[Train], changes: list[Change], sound: bool) -> str:
     over = (f"With the {what_differs(trains)} the change from structure to plain track extends "
             f"over {length(changes[0].width)} instead of {length(changes[1].width)}")
     part = f"its steepest part is {less_steep(found['steepest'])}"
-    if all(map(in_scatter, changes)):
+    if all(in_scatter(changes)):
         part = "its steepest part is in neither run larger than the scatter on plain track"
         judged[1] = "no verdict from it"
     if not sound:
@@ -156,20 +166,45 @@ def effect(trains: list[Train], changes: list[Change], sound: bool) -> str:
 
 
 def of_sleepers(trains: list[Train], changes: list[Change], sound: bool) -> str:
-    """The same of the sleepers' own levels: clear effects or none."""
+    """The same of the sleepers' own levels, each quantity with a verdict of its own."""
     now, other = changes
-    differ = differences(trains, changes)
-    found = [differ["sleeper_width"], differ["sleeper_steepest"]]
-    numbers = (f"The sleepers' own levels change over {length(now.sleeper_width)} instead of "
-               f"{length(other.sleeper_width)}, by at most {slope(now.sleeper_steepest)} instead "
-               f"of {slope(other.sleeper_steepest)}")
-    clear = [one.clear for one in found]
-    words = "both are clear effects" if all(clear) else "neither is a clear effect" \
-        if not any(clear) else "only the first is a clear effect" if clear[0] else \
-        "only the second is a clear effect"
-    if any(one.clear and not one.expected for one in found):
-        words += f", NOT as expected of {measure_of(trains)}"
-    return f"{numbers}: {words}." if sound else f"{numbers}."
+    widths = now.sleeper_width, other.sleeper_width
+    over = f"extends over {length(widths[0])} instead of {length(widths[1])}"
+    if not np.isfinite(widths).all():
+        over = "has no distance in both runs, since its end is not reached"
+    numbers = (f"The change of the sleepers' own levels {over}; its steepest part is "
+               f"{', instead of '.join(steepest(changes, 'sleeper_'))}")
+    return f"{numbers}: {of_both(trains, changes)}." if sound else f"{numbers}."
+
+
+def of_both(trains: list[Train], changes: list[Change]) -> str:
+    """The verdicts on distance and slope of the sleepers' own levels."""
+    differ, measure = differences(trains, changes), measure_of(trains)
+    width, slopes = differ["sleeper_width"], differ["sleeper_steepest"]
+    found = [(compared(width, "distance", "longer", "shorter"), judged_of(width, measure)),
+             (compared(slopes, "slope", "larger", "smaller"), judged_of(slopes, measure))]
+    if all(in_scatter(changes, "sleeper_")):
+        found[1] = ("the slope", "not larger than the scatter on plain track, so that no verdict "
+                    "follows from it")
+    if found[0][1] != found[1][1]:
+        return ", ".join(f"{name} is {verdict}" for name, verdict in found)
+    if found[0][1] == NO_EFFECT:
+        return "neither is a clear effect"
+    return f"both are {found[0][1]}"
+
+
+def judged_of(found: Difference, measure: str) -> str:
+    """What a quantity is, behind "is"."""
+    if np.isnan(found.change):
+        return "not known"
+    return found.judged(measure)[0].replace("no verdict: ", "not judged: ")
+
+
+def compared(found: Difference, name: str, more: str, less: str) -> str:
+    """A quantity by its difference: the longer distance."""
+    difference = found.first - found.second
+    word = f"{more} " if difference > 0 else f"{less} " if difference < 0 else ""
+    return f"the {word}{name}"
 
 
 def measure_of(trains: list[Train]) -> str:
@@ -177,20 +212,40 @@ def measure_of(trains: list[Train]) -> str:
     return measure_words(*(train.run for train in trains))
 
 
+def of_distances(found: Difference) -> str:
+    """A sentence: by how much distances differ, and how much is clear."""
+    if np.isnan(found.change):
+        return ""
+    if abs(found.change) <= CLEAR:
+        return f" The distances differ by at most {CLEAR:.0%}, which is no clear effect."
+    return (f" The distances differ by {found.of_text(abs(found.first - found.second))}; a "
+            f"difference above {found.beside}, {found.limit}, counts as clear.")
+
+
+def of_slopes(found: Difference) -> str:
+    """A sentence: by how much the steepest changes differ, beside the scatter."""
+    if np.isnan(found.change) or np.isnan(found.scatter):
+        return ""
+    if abs(found.change) <= CLEAR:
+        return f" They differ by at most {CLEAR:.0%}, which is no clear effect."
+    exceeds = "exceeds" if found.larger_than_scatter else "does not exceed"
+    return (f" This difference, {found.of_text(abs(found.first - found.second))}, {exceeds} the "
+            f"steepest change on plain track, {found.limit}, where only the stones vary.")
+
+
 def evidence(trains: list[Train], changes: list[Change], sound: bool) -> str:
     """The numbers behind the effect, and the limits with which they are compared."""
     now, other = changes
-    found, measure = differences(trains, changes), measure_of(trains)
-    beside = {field: f" ({numbers})" if sound and numbers else ""
-              for field in ("width", "steepest")
-              for numbers in [found[field].judged(measure)[1]]}
-    force = f": {found['force'].words(measure)}" if sound else ""
+    found = differences(trains, changes)
+    widths, slopes = (of_distances(found["width"]), of_slopes(found["steepest"])) if sound else \
+        ("", "")
+    force = f": {found['force'].words(measure_of(trains))}" if sound else ""
     return (
         "The change is that of the lowest level of the rail under the train; it extends from the "
-        f"end of the structure to where {REACHED:.0%} of it is reached{beside['width']}. The "
-        f"steepest change between two sleepers is {steepest(now)}, instead of {steepest(other)}"
-        f"{beside['steepest']}. {of_sleepers(trains, changes, sound)} The largest wheel force in "
-        f"the transition is {shown(1e-3 * now.force)} kN, {place(now.force_behind)}, instead of "
+        f"end of the structure to where {REACHED:.0%} of it is reached.{widths} The steepest "
+        f"change between two sleepers is {', instead of '.join(steepest(changes))}.{slopes} "
+        f"{of_sleepers(trains, changes, sound)} The largest wheel force in the transition is "
+        f"{shown(1e-3 * now.force)} kN, {place(now.force_behind)}, instead of "
         f"{shown(1e-3 * other.force)} kN, {place(other.force_behind)}{force}.")
 
 
@@ -228,7 +283,7 @@ def cause_of_forces(trains: list[Train], changes: list[Change]) -> str:
         names = " and ".join([larger[0].name_first, *(train.name for train in larger[1:])])
         return f"{names}, it is clearly larger than {elsewhere}."
     return ("It is not clearly larger than " + elsewhere +
-            ": it belongs to the ripple over the whole bed.")
+            ": such forces occur along the whole bed.")
 
 
 SAME = (("width", ground_transition.WIDTH, "distance at which the change is reached"),
@@ -238,8 +293,8 @@ SAME = (("width", ground_transition.WIDTH, "distance at which the change is reac
 def beside_ground(rail: Differences, ground: Differences) -> str:
     """A sentence where the ground's surface, which table.txt judges, changes the other way than the
     rail and one of both changes clearly; otherwise empty. {name: Difference} of both."""
-    found = [f"the {words} by {ground[below].change:+.0%}, that of the rail by "
-             f"{rail[above].change:+.0%}" for above, below, words in SAME
+    found = [f"the {words} {by(ground[below])}, that of the rail {by(rail[above])}"
+             for above, below, words in SAME
              if rail[above].change * ground[below].change < 0
              and (rail[above].clear or ground[below].clear)]
     if not found:
@@ -247,6 +302,10 @@ def beside_ground(rail: Differences, ground: Differences) -> str:
     return (f"At the ground's surface (table.txt) the numbers change the other way: "
             f"{', and '.join(found)}. Stones and rail are between both; the train runs on the "
             "rail.")
+
+
+def by(found: Difference) -> str:
+    return found.relative if np.isinf(found.change) else f"by {found.relative}"
 
 
 def of_ground(runs: list[read.Results]) -> Differences:

@@ -28,6 +28,11 @@ class Zone:
     plain: np.ndarray
 
     @property
+    def last(self) -> float:
+        """Distance of the last sleeper that is judged, m."""
+        return float(self.distance[self.plain].max())
+
+    @property
     def parts(self) -> dict[str, np.ndarray]:
         """The same with each sleeper in one part only."""
         return {"on the structure": self.structure,
@@ -70,13 +75,15 @@ def rail_down(run: read.Results) -> np.ndarray:
     return down.reshape(len(run.sleepers_x), -1).mean(axis=1)
 
 
-def rail_width(distance: np.ndarray, level: np.ndarray, structure: float, plain: float) -> float:
+def rail_width(zone: Zone, level: np.ndarray) -> float:
     """Distance behind the edge at which the level, linear between sleepers, first reaches
-    REACHED of the change; nan if never."""
-    order = np.argsort(distance)
-    distance, level = distance[order], level[order]
+    REACHED of the change from the structure to the plain track of this run; nan if it does not up
+    to the last sleeper that is judged, as those behind it stand beside springs."""
+    structure, plain = float(np.mean(level[zone.structure])), float(np.median(level[zone.plain]))
+    order = np.argsort(zone.distance)
+    distance, level = zone.distance[order], level[order]
     goal = structure + REACHED * (plain - structure)
-    at = np.concatenate([[0], distance[distance > TINY]])
+    at = np.concatenate([[0], distance[(distance > TINY) & (distance <= zone.last + TINY)]])
     there = (np.interp(at, distance, level) - goal) * np.sign(plain - structure)
     reached = np.flatnonzero(there >= 0)
     if not len(reached):
@@ -86,10 +93,9 @@ def rail_width(distance: np.ndarray, level: np.ndarray, structure: float, plain:
 
 
 def rail_widths(runs: Runs, changing: float) -> list[float]:
-    """That of each run with a rail, to its own plain track."""
-    return [rail_width(zone.distance, level, float(np.mean(level[zone.structure])),
-                       float(np.median(level[zone.plain])))
-            for run in runs if len(level := rail_down(run)) and (zone := zone_of(run, changing))]
+    """That of each run with a rail."""
+    return [rail_width(zone, level) for run in runs
+            if len(level := rail_down(run)) and (zone := zone_of(run, changing))]
 
 
 @dataclasses.dataclass(frozen=True)

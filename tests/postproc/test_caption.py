@@ -24,17 +24,20 @@ def sentences(text):
 
 
 def test_the_caption_has_effect_sleepers_force_and_limits_in_this_order():
-    effect, sleepers, force, limits = sentences(transition_caption.of(*pair(), "", True))
+    effect, steepest, sleepers, force, limits = sentences(transition_caption.of(*pair(), "", True))
     assert effect == (
         "With the wedge the change from structure to plain track extends over 2.7 m instead of 0.5 "
         "m, and its steepest part is 80% less steep: as expected of a wedge.")
-    assert sleepers == ("The sleepers' own levels change over 2.7 m instead of 0.5 m, by at most "
-                        "0.20 mm/m instead of 1.0 mm/m: both are clear effects.")
+    assert steepest == ("The steepest change of the rail is 0.20 mm/m, 1.5 m behind the "
+                        "structure, instead of 1.0 mm/m, 0.3 m behind the structure.")
+    assert sleepers == (
+        "The change of the sleepers' own levels extends over 2.7 m instead of 0.5 m; its steepest "
+        "part is 0.20 mm/m, 1.5 m behind the structure, instead of 1.0 mm/m, 0.3 m behind the "
+        "structure: both are as expected of a wedge.")
     assert force == ("Largest wheel force in the transition: 60.0 and 60.0 kN: no clear effect, "
                      "and not clearly larger than those on plain track, 60.0 and 60.0 kN.")
     assert limits.startswith(
-        "Limits: the steepest change of the rail is 0.20 mm/m, 1.5 m behind the structure, instead "
-        "of 1.0 mm/m, 0.3 m behind the structure, and the scatter between neighbouring sleepers ")
+        "Limits: the scatter between neighbouring sleepers on plain track is 0.0 mm/m; ")
     assert "one packing of stones was computed" in limits
     assert limits.endswith("; warnings are in transition.txt.")
     assert "structure, transition and plain track are the same places in both runs" in limits
@@ -82,9 +85,9 @@ def test_a_change_that_is_never_reached_has_no_distance():
     trains, changes = pair()
     never = [dataclasses.replace(change, width=np.nan) for change in changes]
     for given, words in (
-            (never[:1], "extends over the whole bed; its steepest part"),
-            ([never[0], changes[1]], "extends over the whole bed, without wedge 0.5 m; its"),
-            ([changes[0], never[1]], "extends over 2.7 m, without wedge the whole bed; its")):
+            (never[:1], "plain track is not reached; its steepest part"),
+            ([never[0], changes[1]], "not reached, without wedge it extends over 0.5 m; its"),
+            ([changes[0], never[1]], "over 2.7 m, without wedge the end of it is not reached;")):
         text = transition_caption.of(trains[:len(given)], given, "", False)
         assert words in text and "nan" not in text
 
@@ -120,7 +123,8 @@ def test_the_file_has_the_whole_verdict_and_the_figure_the_short_one(tmp_path, m
     assert folder.tables[0].endswith(
         "\nWarnings of the runs:\nwith wedge and without wedge: pads pull.\n"
         "with wedge: stage bed_in ended early.\n")
-    assert "is larger than one sleeper spacing" in " ".join(folder.tables[0].split())
+    text = " ".join(folder.tables[0].split())
+    assert "a difference above one sleeper spacing, 0.6 m, counts as clear" in text
     assert changes is not None
     plt.close("all")
 

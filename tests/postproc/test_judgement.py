@@ -24,16 +24,32 @@ def of(first, second, scatter, wanted=-1, **more):
 
 @pytest.mark.parametrize("first, second, scatter, words", [
     (0.95e-3, 1e-3, 0.0, "no clear effect (within 10%)"),
-    (0.7e-3, 1e-3, 0.4e-3, "no clear effect (the difference, 0.3 mm/m, is not larger "
-     "than the scatter on plain track, 0.4 mm/m)"),
-    (0.7e-3, 1e-3, 0.2e-3, "as expected of a wedge (the difference, 0.3 mm/m, is "
-     "larger than the scatter on plain track, 0.2 mm/m)"),
-    (1.3e-3, 1e-3, 0.2e-3, "NOT as expected of a wedge (the difference, 0.3 mm/m, is larger than"),
+    (0.7e-3, 1e-3, 0.4e-3, "no clear effect (the difference, 0.30 mm/m, is not larger "
+     "than the scatter on plain track, 0.40 mm/m)"),
+    (0.7e-3, 1e-3, 0.2e-3, "as expected of a wedge (the difference, 0.30 mm/m, is "
+     "larger than the scatter on plain track, 0.20 mm/m)"),
+    (1.3e-3, 1e-3, 0.2e-3, "NOT as expected of a wedge (the difference, 0.30 mm/m, is larger than"),
     (0.7e-3, 1e-3, math.nan, "no verdict: there is no plain track"),
     (math.nan, 1e-3, 0.0, "no verdict: the change is not known"),
-    (1e-3, 0.0, 0.0, "no verdict: the change is not known")])
+    (1e-3, 0.0, 0.0, "NOT as expected of a wedge (the difference, 1.0 mm/m, is larger than"),
+    (1e-3, 0.0, 2e-3, "no clear effect (the difference, 1.0 mm/m, is not larger than"),
+    (0.0, 0.0, 0.0, "no clear effect (within 10%)")])
 def test_words(first, second, scatter, words):
     assert of(first, second, scatter).words("a wedge").startswith(words)
+
+
+@pytest.mark.parametrize("value, unit, text", [
+    (0.276, "mm/m", "0.28 mm/m"), (0.4, "mm/m", "0.40 mm/m"), (50.4, "kPa", "50 kPa"),
+    (99.6, "kN", "100 kN"), (0.04, "m", "less than 0.1 m"), (12.34, "m", "12.3 m")])
+def test_numbers_of_sentences_have_one_format(value, unit, text):
+    assert judgement.stated(value, unit) == text
+
+
+def test_a_change_from_zero_has_no_percentage():
+    width = judgement.Difference(1.5, 0.0, 0.6, "m", 1, 1, "one sleeper spacing")
+    assert width.relative == "1.5 m instead of less than 0.1 m" and width.clear
+    assert width.words("a wedge").startswith("as expected of a wedge (the difference, 1.5 m")
+    assert math.isnan(of(math.nan, 0.0, 0.0).change)
 
 
 def test_runs_that_do_not_differ_by_a_wedge():
@@ -44,6 +60,7 @@ def test_runs_that_do_not_differ_by_a_wedge():
 def test_the_reason_against_a_verdict_is_stated_once_in_the_table(runs):
     text = ground_transition.table(runs[::-1])
     assert text.count(judgement.NO_PAIR) == 1
+    assert "equal within 10%\n" in text and "comparable" not in text
     assert text.index("no verdict: the first run") < text.index("change relative to the second run")
 
 
@@ -84,7 +101,8 @@ def test_the_verdict_on_the_rail_uses_the_same_test():
     text = test_transition.stated(first, second)
     assert "its steepest part is 80% less steep: no clear effect. " in text
     assert "extends over 2.7 m instead of 0.5 m: as expected of a wedge; " in text
-    assert "behind the structure (the difference, 0.8 mm/m, is not larger than the scatter" in text
+    assert ("This difference, 0.80 mm/m, does not exceed the steepest change on plain track, 0.90 "
+            "mm/m, where only the stones vary. The change of the sleepers'") in text
     assert "the structure: no clear effect (within 10%)" in text
 
 
@@ -117,7 +135,7 @@ def test_a_bed_that_is_warned_of_has_no_verdict_on_the_rail():
     text = verdicts.verdict(pair, transition.changes_of(pair), why)
     assert text.startswith(f"No verdict, since {why}: such a bed can change")
     assert "extends over 2.7 m instead of 0.5 m, and its steepest part is 80% less steep. " in text
-    assert "instead of 1.0 mm/m. The largest" in text
+    assert "instead of 1.0 mm/m, 0.3 m behind the structure. The largest" in text
     assert "expected" not in text and "clear" not in text and "ripple" not in text
 
 

@@ -1,12 +1,13 @@
 """Tests of transition.py on synthetic levels with known results."""
 import copy
+import dataclasses
 import types
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from trackbed_post import (model_drawing, read, transition, transition_caption,
-                           transition_figures, transition_verdict)
+                           transition_figures, transition_verdict, zones)
 
 X = 0.6 * np.arange(1, 31)
 
@@ -96,7 +97,7 @@ def test_a_ripple_all_over_the_bed_is_no_effect_of_the_transition():
     second.passing.force[np.abs(second.passing.x - 13.0) < 0.05] = 72e3
     text = stated(first, second)
     assert "is not larger than the scatter on plain track, 22 kN)" in text
-    assert "belongs to the ripple" in text
+    assert "such forces occur along the whole bed" in text
 
 
 def test_sleepers_of_each_part_are_in_brackets():
@@ -134,11 +135,13 @@ def test_force_is_that_of_the_transition():
 
 def test_each_space_between_sleepers_belongs_to_one_part():
     one = train(7.8)
-    # The largest force and the steepest change are just before the edge of the structure.
+    # The largest force and the steepest change are just before the edge of the structure: a wheel
+    # there is on the structure, the space up to the first sleeper behind it in the transition.
     one.passing.force[np.abs(one.passing.x - 4.5) < 0.05] = 70e3
     one.passing.rail[1, X < 4.5] = 0
     found = transition.changes_of([one])[0]
-    assert found.force == pytest.approx(70e3) and found.force_x == pytest.approx(4.5, abs=0.1)
+    assert found.force == pytest.approx(60e3) and found.force_behind >= 0
+    assert found.force_structure == pytest.approx(70e3)
     assert found.steepest_x == pytest.approx(4.5)
     zone = found.zone
     assert [X[part][[0, -1]].round(1).tolist() for part in (
@@ -176,8 +179,11 @@ def test_verdict_names_what_changes_clearly():
     assert text.startswith(
         "With the wedge the change from structure to plain track extends over 2.7 m instead of 0.5 "
         "m, and its steepest part is 80% less steep: as expected of a wedge. ")
-    assert text.count("expected") == 1
-    assert "90% of it is reached (the difference, 2.2 m, is larger than one sleeper spacing" in text
+    assert text.count("expected") == 2
+    assert ("90% of it is reached. The distances differ by 2.2 m; a difference above one sleeper "
+            "spacing, 0.6 m, counts as clear. The steepest change") in text
+    assert ("This difference, 0.80 mm/m, exceeds the steepest change on plain track, 0.0 mm/m, "
+            "where only the stones vary.") in text
     assert "between two sleepers is 0.20 mm/m, 1.5 m behind the structure, instead of 1.0" in text
     assert "the structure: no clear effect (within 10%)" in text
 
@@ -200,7 +206,11 @@ def test_two_measures_that_differ_have_verdicts_of_their_own():
 
 def test_no_verdict_follows_from_a_change_within_the_scatter():
     pair = [with_scatter(one, 2e-3) for one in (train(7.8), train(5.4, wedge_present=False))]
+    for one in pair:
+        one.passing.displacement[1] = one.passing.rail[1]
     text = stated(*pair)
+    assert ("the longer distance is as expected of a wedge, the slope is not larger than the "
+            "scatter on plain track, so that no verdict follows from it. ") in text
     assert "m: as expected of a wedge; its steepest part is in neither run larger than the " \
         "scatter on plain track: no verdict from it. " in text
     assert "0.20 mm/m, not larger than the scatter, instead of 1.0 mm/m, not larger than" in text
@@ -211,13 +221,82 @@ def test_no_verdict_follows_from_a_change_within_the_scatter():
 
 
 @pytest.mark.parametrize("sleepers, words", [
-    ((7.8, 5.4), "both are clear effects"), ((7.8, 7.8), "neither is a clear effect"),
-    ((5.4, 7.8), "both are clear effects, NOT as expected of a wedge")])
+    ((7.8, 5.4), "both are as expected of a wedge"), ((7.8, 7.8), "neither is a clear effect"),
+    ((5.4, 7.8), "both are NOT as expected of a wedge")])
 def test_the_sleepers_are_judged_by_the_same_rule(sleepers, words):
     pair = [train(7.8), train(5.4, wedge_present=False)]
     for one, end in zip(pair, sleepers):
         one.passing.displacement[1] = -np.interp(X, [4.8, end], [0.4e-3, 1e-3])
     assert f": {words}. The largest wheel force" in stated(*pair)
+
+
+def test_the_sleepers_distance_and_slope_may_differ():
+    pair = [train(7.8), train(5.4, wedge_present=False)]
+    pair[0].passing.displacement[1] = -np.interp(X, [4.8, 7.2, 7.8], [0.4e-3, 0.5e-3, 1e-3])
+    pair[1].passing.displacement[1] = -np.interp(X, [4.8, 6.6], [0.4e-3, 1e-3])
+    text = stated(*pair)
+    assert "its steepest part is 0.83 mm/m, 2.7 m behind the structure, instead of 0.33" in text
+    assert ("m behind the structure: the longer distance is as expected of a wedge, the larger "
+            "slope is NOT as expected of a wedge. ") in text
+
+
+def test_a_quantity_of_the_sleepers_that_is_not_known_is_no_verdict():
+    pair = transition.named([train(7.8), train(5.4, wedge_present=False)])
+    changes = transition.changes_of(pair)
+    unknown = [dataclasses.replace(changes[0], sleeper_width=np.nan), changes[1]]
+    text = transition_verdict.of_sleepers(pair, unknown, True)
+    assert "since its end is not reached" in text and "nan" not in text
+    assert text.endswith(": the distance is not known, the smaller slope is as expected of a "
+                         "wedge.")
+
+
+def test_a_change_that_is_reached_at_the_edge_has_a_verdict():
+    pair = transition.named([train(7.8), train(5.4, wedge_present=False)])
+    now, other = transition.changes_of(pair)
+    text = transition_verdict.verdict(pair, [now, dataclasses.replace(
+        other, width=0.0, sleeper_width=0.0)])
+    assert ("extends over 2.7 m instead of less than 0.1 m, and its steepest part is 80% less "
+            "steep: as expected of a wedge. ") in text
+    assert "both are as expected of a wedge" in text and "not known" not in text
+
+
+def test_each_run_is_measured_to_its_own_plain_track():
+    """The second one is flat 0.06 mm above the first; only the end of its bed, beside springs, is
+    lower."""
+    found = transition.changes_of([train(7.8, 0.71e-3), train(5.4, 0.65e-3, wedge_present=False)])
+    assert [one.width for one in found] == pytest.approx([0.9 * 3.0, 0.9 * 0.6])
+    assert [one.sleeper_width for one in found] == pytest.approx([0.9 * 3.0, 0.9 * 0.6])
+
+
+def test_ends_of_the_bed_are_not_searched():
+    one = train(7.8)
+    zone = dataclasses.replace(transition.changes_of([one])[0].zone)
+    level = np.full(len(X), 0.4e-3)
+    level[zone.plain], level[-3:] = np.nan, 5e-3
+    assert np.isnan(zones.rail_width(zone, level))
+
+
+def test_the_scatter_is_the_larger_one_of_both_runs():
+    """The first run's steepest change exceeds its own scatter only: the text has no place of it,
+    and neither has the figure."""
+    first, second = train(7.8), with_scatter(train(5.4, wedge_present=False), 0.5e-3)
+    pair = transition.named([first, second])
+    changes = transition.changes_of(pair)
+    assert transition_verdict.in_scatter(changes) == [True, False]
+    figure, (force, level) = plt.subplots(2)
+    transition_figures.mark_places(force, level, pair, changes)
+    assert [line.get_label() for line in level.lines] == ["steepest change, without wedge"]
+    plt.close(figure)
+    assert "0.20 mm/m, not larger than the scatter, instead of 1.0 mm/m, 0.3 m" in stated(*pair)
+
+
+def test_a_wheel_before_the_edge_is_on_the_structure():
+    """Also over its end, where sleepers are neither on the structure nor behind it."""
+    one = train(7.8)
+    one.passing.force[np.abs(one.passing.x - 4.75) < 0.04] = 70e3
+    found = transition.changes_of([one])[0]
+    assert found.force == pytest.approx(60e3) and found.force_behind >= 0
+    assert found.force_structure == pytest.approx(70e3)
 
 
 @pytest.mark.parametrize("behind, words", [
