@@ -1,6 +1,6 @@
 """Blocks of the ground and their roles: a deep block as stiff as concrete is a structure, every
-other one is a measure: a wedge, an approach slab, another part of the ground. Names of blocks are
-labels only.
+other one is a measure: a wedge, an approach slab, another part of the ground. Names of blocks
+decide on the words for a measure, not on its role.
 
 Roles, and the stretch of plain track that follows from them, are explained in docs/postproc.md.
 """
@@ -33,6 +33,7 @@ class Block:
     top: tuple[float, float]  # smallest and largest x there
     x: np.ndarray             # of all corners
     structure: bool = False
+    softer: bool = False      # than the layers that it replaces
 
     @property
     def label(self) -> str:
@@ -90,8 +91,21 @@ def every(results: read.Results) -> list[Block]:
     stiff = [block for block in found if block.stiff]
     there = _structures([block for block in stiff if block.present], depth(results))
     all_present = _structures(stiff, depth(results))
-    return [dataclasses.replace(block, structure=block.name in (
-        there if block.present else all_present)) for block in found]
+    return [dataclasses.replace(
+        block, softer=block.young < _replaced(block, results),
+        structure=block.name in (there if block.present else all_present)) for block in found]
+
+
+def _replaced(block: Block, results: read.Results) -> float:
+    """Mean Young's modulus, Pa, of the layers from top to bottom of a block, by their thickness; 0
+    if they are not known."""
+    top, thick, product = 0.0, 0.0, 0.0
+    for layer in results.deck.get("ground", {}).get("layer", []):
+        base = top - float(layer["thickness"])
+        shared = max(0.0, min(top, block.z) - max(base, block.bottom))
+        thick, product = thick + shared, product + shared * float(layer.get("young", 0))
+        top = base
+    return product / thick if thick else 0.0
 
 
 def present(results: read.Results) -> list[Block]:
@@ -114,7 +128,7 @@ def structures(results: read.Results) -> list[tuple[float, float]]:
 
 @dataclasses.dataclass(frozen=True)
 class Stretch:
-    """A part of the track with blocks below it: their labels, and the ends along x, m."""
+    """A part of the track with blocks below it: what they are, and the ends along x, m."""
     label: str
     structure: bool
     low: float
@@ -130,7 +144,7 @@ def stretches(results: read.Results) -> list[Stretch]:
                   if block.structure and low - TINY <= block.top[0] <= high + TINY]
         found.append(Stretch(", ".join(inside), True, low, high))
     if soft := measures_of(results):
-        found.append(Stretch(", ".join(block.label for block in soft), False,
+        found.append(Stretch(listed(soft), False,
                              min(block.top[0] for block in soft),
                              max(block.top[1] for block in soft)))
     return found
@@ -198,10 +212,14 @@ def wedge_words(results: read.Results) -> str:
 
 
 def listed(blocks: collections.abc.Iterable[Block]) -> str:
-    """What they are in words: the stiff ones by their labels, all others together a wedge."""
+    """What they are in words, each label once, the stiff ones first: parts of a wedge, whose names
+    begin with this word, are together a wedge. Softer ones than the ground, as a joint beside a
+    slab, are named only if there are no others: they are not what a design is called by."""
     blocks = list(blocks)
-    labels = [block.label for block in blocks if block.stiff]
-    return joined(labels + (["wedge"] if len(labels) < len(blocks) else []))
+    named = [block for block in blocks if not block.softer] or blocks
+    return joined(list(dict.fromkeys(
+        "wedge" if not block.stiff and block.label.startswith("wedge") else block.label
+        for block in sorted(named, key=lambda block: not block.stiff))))
 
 
 def joined(labels: list[str]) -> str:

@@ -16,14 +16,12 @@ def shade(panel, stretches):
         panel.axvspan(one.low, one.high, lw=0, zorder=0, **(STRUCTURE if one.structure else SOFT))
 
 
-def name(panel, stretches, note="", z=0.97):
-    """Writes their names at this height of the panel, 0 to 1, where it shows them; `note` follows
-    the names of blocks that are no structure."""
+def name(panel, stretches, z=0.97):
+    """Writes their names at this height of the panel, 0 to 1, where it shows them."""
     low, high = panel.get_xlim()
     for one in stretches:
         begin, end = np.clip((one.low, one.high), low, high)
         if begin < end:
-            words = textwrap.fill(one.label, WIDE)
-            panel.text((begin + end) / 2, z, words if one.structure else words + note, fontsize=9,
+            panel.text((begin + end) / 2, z, textwrap.fill(one.label, WIDE), fontsize=9,
                        ha="center", va="top" if z > 0.5 else "bottom", clip_on=True,
                        transform=panel.get_xaxis_transform())

@@ -16,8 +16,8 @@ STYLES = tuple({"color": colour, "ls": line}
 WRAP = 118           # characters of a line below transition.png
 LIGHT = 0.3          # opacity of the rail where it is not judged
 TITLES = ("Lowest level of rail and sleepers under the train",
-          "Settlement of the sleepers into the bed after the train",
-          "Largest wheel force along the track")
+          "Largest wheel force along the track",
+          "Settlement of the sleepers into the bed after the train")
 NEAR = 2.0           # m, shown around a transition
 BETWEEN = 2.68       # inches, of the texts between both panels of the model above its lower edge
 
@@ -61,26 +61,27 @@ def bracket_zones(panel, train, zone):
                    va="bottom")
 
 
-def note_of(trains):
-    """What follows the names of blocks that only the first of two runs has: its name in legends."""
-    differ = len(trains) == 2 and ground_blocks.differ_by_wedge(*(train.run for train in trains))
-    return f"\n({trains[0].name})" if differ else ""
-
-
 def wrapped(text):
     """Paragraphs in lines of WRAP characters."""
     return "\n".join(textwrap.fill(line, WRAP) for line in text.splitlines())
 
 
+def draw_judged(panel, x, values, span, label, **style):
+    """A line that is lighter beyond the span of the sleepers that are judged, m."""
+    judged = (x >= span[0] - measures.TINY) & (x <= span[1] + measures.TINY)
+    first, last = np.flatnonzero(judged)[[0, -1]]
+    for part in (slice(first + 1), slice(last, None)):
+        panel.plot(x[part], values[part], alpha=LIGHT, label=panels.HIDDEN, **style)
+    panel.plot(x[judged], values[judged], label=label, **style)
+
+
 def draw_train(force, level, settled, train, style):
-    """The curves of a run. Sleepers at the ends of the bed, which are not judged, have hollow marks
-    and the rail above them a lighter line."""
+    """The curves of a run. Sleepers at the ends of the bed, which are not judged, have hollow
+    marks; rail and wheel forces have a lighter line there."""
     x, ends = train.run.sleepers_x, ground_blocks.at_ends(len(train.run.sleepers_x), True)
-    rail = -1e3 * train.rail_down()
-    each = np.count_nonzero(ends) // 2 + 1  # up to the first sleeper that is judged
-    for part in (slice(each), slice(-each, None)):
-        level.plot(x[part], rail[part], lw=2, alpha=LIGHT, label=panels.HIDDEN, **style)
-    level.plot(x[~ends], rail[~ends], lw=2, label=f"rail, {train.name}", **style)
+    span = x[~ends].min(), x[~ends].max()
+    draw_judged(level, x, -1e3 * train.rail_down(), span,
+                lw=2, label=f"rail, {train.name}", **style)
     sleepers, = level.plot(x, -1e3 * train.sleeper_down(), lw=1, marker="o", ms=3,
                            label=f"sleepers, {train.name}", **style)
     into_bed, = settled.plot(x, -1e3 * train.settlement(), lw=1.2, marker="s", ms=3,
@@ -88,7 +89,7 @@ def draw_train(force, level, settled, train, style):
     for panel, line in ((level, sleepers), (settled, into_bed)):
         panels.mark_ends(panel, line, ends, panels.HIDDEN)
     place, most = train.largest_force()
-    force.plot(place, 1e-3 * most, lw=1.3, label=train.name, **style)
+    draw_judged(force, place, 1e-3 * most, span, lw=1.3, label=train.name, **style)
 
 
 def name_axes(force, level, settled):
@@ -99,30 +100,36 @@ def name_axes(force, level, settled):
     level.set_ylabel(f"lowest level,\n{panels.UP}")
     settled.set_ylabel(f"settlement into\nthe bed, {panels.UP}")
     force.set_ylabel("largest wheel force\nof all axles, kN")
-    force.set_xlabel("x along the track, m")
+    settled.set_xlabel("x along the track, m")
+    for panel in (level, force, settled):
+        panel.tick_params(labelbottom=True)
+    # Above the right end of the first panel, where no legend is.
+    level.annotate(model_drawing.DIRECTION, (1, 1), (0, 4), xycoords="axes fraction",
+                   textcoords="offset points", ha="right", va="bottom", fontsize=9)
 
 
 def compare(trains, changes, sentence):
     """Three panels along the track, all designs in each: that with the answer first."""
     stretches = ground_blocks.stretches(trains[0].run)
-    figure, (level, settled, force) = plt.subplots(
-        3, 1, figsize=(10, 9.6), sharex=True, gridspec_kw={"height_ratios": (1.4, 0.8, 1)})
+    figure, (level, force, settled) = plt.subplots(
+        3, 1, figsize=(10, 9.6), sharex=True, gridspec_kw={"height_ratios": (1.4, 1, 0.8)})
     for train, style in zip(trains, STYLES):
         draw_train(force, level, settled, train, style)
     mean = 1e-3 * trains[0].mean_force()
-    force.axhline(mean, color="0.3", lw=0.8, label=f"mean over the bed, {judgement.shown(mean)}")
+    force.axhline(mean, color="0.3", lw=0.8,
+                  label=f"mean over the bed, {judgement.shown(mean)} kN")
     if changes:
         mark_judged(level, trains, changes)
         mark_places(force, level, trains, changes)
         bracket_zones(level, trains[0], changes[0].zone)
     name_axes(force, level, settled)
     figure.suptitle(model_drawing.heading(trains[0].run), fontsize=11)
-    for panel, title in zip((level, settled, force), TITLES):
+    for panel, title in zip((level, force, settled), TITLES):
         shades.shade(panel, stretches)
         panel.grid(alpha=0.3)
         panels.legend_above(panel)
         panels.title_above(panel, title)
-    shades.name(level, stretches, note_of(trains))
+    shades.name(level, stretches)
     text = wrapped(sentence)
     below = 0.18 * (text.count("\n") + 1)  # inches
     figure.set_figheight(10 + below)
@@ -166,10 +173,12 @@ def span_of_interest(run):
 
 
 def instant_shown(train, row, forces):
-    """Which instant a picture of the model shows, in one line."""
+    """What a picture of the model shows, and at which instant, in one line."""
+    words = ground_blocks.listed(ground_blocks.measures_of(train.run))
+    model = f"Model with {words}" if words else "Model"
     time = f"at {train.passing.time[row]:.3f} s"
-    return f"Contact forces {time}, the instant of the largest one around the transition" \
-        if forces else f"Train {time}, the instant of the largest wheel force"
+    return f"{model}; contact forces {time}" if forces else \
+        f"{model}; train {time}, the instant of the largest wheel force"
 
 
 def note_of_model(run):
@@ -191,6 +200,23 @@ def show_forces(figure, scenes, forces, span):
     figure.legend(*scenes[0].key_of_chains(largest), loc="center", frameon=False,
                   bbox_to_anchor=(0.5, BETWEEN / figure.get_figheight()), fontsize=9)
     return row, largest_contact(chains, span)[1]
+
+
+def name_parts(panel, run, rail):
+    """Names rail, sleepers and ballast above the left end of an enlarged bed, where usually no
+    wheel is; `rail`: z of its top, m."""
+    low, high = panel.get_xlim()
+    x, width = run.sleepers_x, run.deck["sleepers"]["width"]
+    inside = x[(x > low + width) & (x < high - width)][:4]
+    if len(inside) < 4:
+        return
+    low = model_drawing.underside(run)
+    for words, place, z in (("sleeper", inside[0], low + run.deck["sleepers"]["height"] / 2),
+                            ("ballast", inside[1:3].mean(), low / 2), ("rail", inside[3], rail)):
+        panel.annotate(words, (place, z), (place, rail + 0.25), fontsize=9, ha="center",
+                       va="center", zorder=6, clip_on=True,
+                       bbox={"facecolor": "white", "alpha": 0.75, "lw": 0, "pad": 1},
+                       arrowprops={"arrowstyle": "-|>", "color": "0.1", "lw": 1.2})
 
 
 def draw_model(train, folder):
@@ -221,6 +247,7 @@ def draw_model(train, folder):
     close.set_ylim(low, high)
     half = 0.5 * (high - low) * 12.2 / 1.7
     close.set_xlim(middle - half, middle + half)
+    name_parts(close, train.run, scenes[1].rail)
     panel.set_xlabel("")
     panel.set_title(instant_shown(train, row, bool(forces)), fontsize=11)
     panel.indicate_inset((middle - half, low, 2 * half, high - low), edgecolor="k", lw=1)

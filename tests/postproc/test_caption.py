@@ -142,7 +142,7 @@ def test_names_of_parts_do_not_cover_their_brackets(monkeypatch):
     for bracket, name in zip(brackets, names):
         line, text = bracket.get_window_extent(), name.get_window_extent()
         assert text.y0 >= line.y1 and line.x0 <= text.x0 and text.x1 <= line.x1
-    assert panel.texts[-1].get_text() == "wedge\n(with wedge)"
+    assert panel.texts[-1].get_text() == "wedge", "as in the text"
     plt.close(figure)
 
 
@@ -153,9 +153,9 @@ def test_the_answer_is_in_the_first_panel_and_ends_of_the_bed_are_marked(monkeyp
     figure.canvas.draw()
     titles = [panel.get_title() for panel in figure.axes]
     assert [title.split()[:2] for title in titles] == [
-        ["Lowest", "level"], ["Settlement", "of"], ["Largest", "wheel"]]
+        ["Lowest", "level"], ["Largest", "wheel"], ["Settlement", "of"]]
     ends = test_transition.X[[0, 1, 2, -3, -2, -1]]
-    for panel in figure.axes[:2]:
+    for panel in figure.axes[::2]:
         hollow = [line for line in panel.lines if len(line.get_xdata()) == len(ends)
                   and line.get_markerfacecolor() == "white"]
         assert len(hollow) == 2 and hollow[0].get_xdata() == pytest.approx(ends)
@@ -166,6 +166,17 @@ def test_the_answer_is_in_the_first_panel_and_ends_of_the_bed_are_marked(monkeyp
     for light, part in zip(figure.axes[0].lines, (slice(4), slice(-4, None))):
         assert light.get_alpha() < 1
         assert light.get_xdata() == pytest.approx(test_transition.X[part])
+    lights, before, whole = figure.axes[1].lines[:3]
+    assert max(one.get_alpha() for one in (lights, before)) < 1
+    assert whole.get_xdata()[[0, -1]] == pytest.approx(test_transition.X[[3, -4]], abs=0.1)
+    assert "mean over the bed, 60.0 kN" in [
+        text.get_text() for text in figure.axes[1].get_legend().texts]
+    direction, = [text for text in figure.axes[0].texts
+                  if text.get_text() == model_drawing.DIRECTION]
+    boxes = [figure.axes[0].title, figure.axes[0].get_legend(), figure.axes[0]]
+    assert not any(direction.get_window_extent().overlaps(one.get_window_extent())
+                   for one in boxes)
+    assert all(panel.get_xticklabels()[0].get_visible() for panel in figure.axes)
     for panel in figure.axes:
         assert not panel.title.get_window_extent().overlaps(panel.get_legend().get_window_extent())
     plt.close(figure)
@@ -176,6 +187,8 @@ def test_the_model_states_its_instant_and_hides_no_vehicle(tmp_path, with_files)
     train = test_film.train_at()
     run = train.run
     run.time, run.ground_x = train.passing.time, np.empty(0)
+    outline = [9.0, 0.0, 12.0, 0.0, 12.0, -1.0, 9.0, -1.0]
+    run.deck["ground"] = {"block": [{"name": "wedge", "young": 1e9, "outline": outline}]}
     train.passing.force = np.full((*train.passing.x.shape, 1), 50e3)
     train.passing.on_bed = lambda: (train.passing.x > 0.6) & (train.passing.x < 18)
     folder = test_film.written(tmp_path) if with_files else tmp_path
@@ -185,8 +198,12 @@ def test_the_model_states_its_instant_and_hides_no_vehicle(tmp_path, with_files)
     chosen = next(time for time in test_film.TIMES[::-1]
                   if 40 * (time - 2.5) - 2.5 < 18.6 + model_drawing.BEYOND)
     words = panel.get_title()
-    assert "\n" not in words and ("Contact forces at " in words) == with_files
-    assert not with_files or f"at {chosen:.3f} s, the instant of the largest one" in words
+    if with_files:
+        assert words == f"Model with wedge; contact forces at {chosen:.3f} s"
+    else:
+        assert words.startswith("Model with wedge; train at ") and "\n" not in words
+    assert [text.get_text() for text in figure.axes[1].texts if text.get_visible()][-3:] == [
+        "sleeper", "ballast", "rail"]
     note = next(text for text in figure.texts if "stones and sleepers:" in text.get_text())
     assert f"sleepers: end of the run, {run.time[-1]:.3f} s" in note.get_text()
     assert len(figure.legends) == int(with_files) and panel.get_legend() is None

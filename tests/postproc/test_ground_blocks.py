@@ -4,7 +4,7 @@ import dataclasses
 import made
 import numpy as np
 import pytest
-from trackbed_post import bed_on_ground, ground_blocks, ground_transition, read
+from trackbed_post import bed_on_ground, ground_blocks, ground_transition, judgement, read
 
 
 def with_blocks(run, *blocks):
@@ -22,15 +22,44 @@ def test_names_are_labels_only(runs):
     renamed = []
     for run in runs:
         blocks = [dict(block) for block in run.deck["ground"]["block"]]
-        blocks[0]["name"], blocks[1]["name"] = "bridge", "structure"
+        blocks[0]["name"], blocks[1]["name"] = "bridge", "wedge_structure"
         renamed.append(dataclasses.replace(run, deck={**run.deck, "ground": {"block": blocks}}))
     assert ground_transition.table(renamed) == ground_transition.table(runs)
     stiff, soft = ground_blocks.stretches(renamed[0])
     assert (stiff.label, stiff.structure, stiff.high) == ("bridge", True, made.EDGE)
-    assert (soft.label, soft.structure, soft.high) == ("structure", False, 6.0)
+    assert (soft.label, soft.structure, soft.high) == ("wedge", False, 6.0)
     panel = bed_on_ground.stress(renamed).axes[0]
-    assert [text.get_text() for text in panel.texts] == ["bridge", "structure"]
+    assert [text.get_text() for text in panel.texts] == ["bridge", "wedge"]
     bed_on_ground.plt.close("all")
+
+
+def on_layers(run, *blocks):
+    """The same on layers of 200, 80 and 50 MPa, behind a structure."""
+    made_of = with_blocks(run, ("structure", 3e10, box(0, 2)), *blocks)
+    ground = {**made_of.deck["ground"], "layer": [
+        {"name": name, "thickness": thick, "young": young}
+        for name, thick, young in (("top", 0.6, 2e8), ("bottom", 1.0, 8e7), ("low", 1.4, 5e7))]}
+    return dataclasses.replace(made_of, deck={**made_of.deck, "ground": ground})
+
+
+SLAB = ("approach_slab", 3e10, [2, -0.2, 5, -0.2, 5, -0.4, 2, -0.4])
+
+
+@pytest.mark.parametrize("blocks, words", [
+    ([("wedge_surface", 6e8, box(2, 5)), ("wedge", 3e8, box(2, 4))], "wedge"),
+    ([SLAB, ("joint", 5e7, box(5, 5.2))], "approach slab"),
+    ([("joint", 5e7, [2, 0, 2.2, 0, 2.2, -1, 2, -1]), ("wedge", 3e8, box(2.2, 5))], "wedge"),
+    ([("joint", 5e7, box(5, 5.2))], "joint"),
+    ([("improved_ground", 3e8, box(2, 5))], "improved ground"),
+    ([("wedge", 3e10, [2, -0.2, 5, -0.2, 5, -0.4, 2, -0.4]), ("wedge_low", 3e8, box(2, 4, -0.4))],
+     "wedge"),
+    ([("wedge", 3e8, box(2, 4)), SLAB], "approach slab and wedge")])
+def test_a_design_is_called_by_what_stiffens_the_ground(runs, blocks, words):
+    run = on_layers(runs[0], *blocks)
+    assert ground_blocks.listed(ground_blocks.measures_of(run)) == words
+    assert ground_blocks.stretches(run)[1].label == words
+    bare = on_layers(runs[0])
+    assert judgement.measure_words(run, bare) == ("a wedge" if words == "wedge" else f"the {words}")
 
 
 @pytest.mark.parametrize("young, edge", [(10e9, made.EDGE), (9.99e9, None)])
@@ -45,7 +74,7 @@ def test_soft_blocks_are_one_stretch_and_touching_structures_one(runs):
                       ("foundation", 3e10, box(0, 3, -1.0)))
     stiff, soft = ground_blocks.stretches(run)
     assert (stiff.low, stiff.high) == (0, 2) and stiff.label == "deck, abutment, foundation"
-    assert (soft.low, soft.high, soft.label) == (2, 5, "wedge surface, wedge")
+    assert (soft.low, soft.high, soft.label) == (2, 5, "wedge")
     assert ground_blocks.edge_of_structure(run) == 2
     assert ground_blocks.wedge_length(run) == pytest.approx(3)
 
