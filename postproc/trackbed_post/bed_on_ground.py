@@ -96,9 +96,9 @@ SPECTRA = {"acceleration": ("m/s2", 1), "displacement": ("mm", 1e3), "seat_force
 
 
 def spectrum_of(run, name):
-    """Frequency, Hz, and amplitude of a quantity in the passage, root mean square over the sleepers
-    that are not at the ends of the bed."""
-    rows = run.passage()
+    """Frequency, Hz, and amplitude of a quantity under the last train of the passage, root mean
+    square over the sleepers that are not at the ends of the bed."""
+    rows = frequencies.rows_of_last_train(run)
     needs(signals.step_of(run.time[rows]) is not None, "histories are not evenly sampled")
     values = run.sleeper[name].values[rows][:, ~ground_blocks.ends(run)] * SPECTRA[name][1]
     if name == "acceleration":
@@ -107,14 +107,27 @@ def spectrum_of(run, name):
     return frequency, np.sqrt(np.mean(amplitude**2, axis=1))
 
 
-def peaks_of(runs, name):
+def remembered(run, name, known):
+    """spectrum_of(), computed once for figure and table; `known`: those that are, of runs by id."""
+    key = id(run), name
+    if key not in known:
+        known[key] = spectrum_of(run, name)
+    return known[key]
+
+
+def peaks_of(runs, name, known):
     """Of each run: name of each passing frequency -> the lobe of its spectrum there."""
-    found = []
-    for run in runs:
-        marks = frequencies.of_passage(run)
-        found.append(passing_peaks.lobes(spectrum_of(run, name), marks,
-                                         frequencies.beside(run, marks)))
-    return passing_peaks.judged(found)
+    marks = [frequencies.of_passage(run) for run in runs]
+    found = [passing_peaks.lobes(remembered(run, name, known), own, frequencies.beside(run, own))
+             for run, own in zip(runs, marks)]
+    return passing_peaks.judged(found, all(
+        frequencies.alike(marks[0], other) for other in marks[1:]))
+
+
+def passage_of_spectra(runs):
+    """Of which rows the spectra are, in words."""
+    several = any(frequencies.rows_of_last_train(run) != run.passage() for run in runs)
+    return measures.passage_words(runs) + (", its last train" if several else "")
 
 
 def mark_peaks(panel, lobes, colour, label):
@@ -124,16 +137,17 @@ def mark_peaks(panel, lobes, colour, label):
                mfc="none", color=colour, label=label)
 
 
-def table_of_peaks(runs):
+def table_of_peaks(runs, known=None):
     """Text: peaks of the spectra near the passing frequencies, those that have rings in the figure;
-    empty where there are none."""
+    empty where there are none. `known`: of remembered()."""
+    known = {} if known is None else known
     runs = [run for run in runs if frequencies.of_passage(run) and run.sleeper
             and signals.step_of(run.time[run.passage()]) is not None]
-    found = {name: peaks_of(runs, name) for name in SPECTRA}
+    found = {name: peaks_of(runs, name, known) for name in SPECTRA}
     lines = []
     for number, run in enumerate(runs):
         lines += ["", f"spectra of sleepers near the passing frequencies, {run.name}, "
-                  f"{measures.passage_words([run])}"]
+                  f"{passage_of_spectra([run])}"]
         marks = frequencies.of_passage(run)
         lines += [f"  {name.replace('_', ' '):<16}{f'{mark} = {marks[mark]:.2f} Hz':<24}"
                   + (lobe.words(SPECTRA[name][0]) if lobe else "beyond the spectrum")
@@ -147,16 +161,17 @@ def shown_by_name(panels):
                  if len(line.get_xdata()) and not line.get_label().startswith("_")}.values())
 
 
-def spectra(runs):
+def spectra(runs, known=None):
     """Amplitude spectra of the sleepers in the passage, root mean square over those that are not
-    at the ends of the bed."""
+    at the ends of the bed. `known`: of remembered()."""
+    known = {} if known is None else known
     needs(all(run.sleeper for run in runs), "no sleepers")
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(9, 9))
     marks = frequencies.of_passage(runs[0])
     shown_hz = max(SHOWN_HZ, BEYOND * max(marks.values(), default=0))
     for panel, (name, (unit, _)) in zip(panels, SPECTRA.items()):
-        for run, colour, lobes in zip(runs, COLOURS, peaks_of(runs, name)):
-            frequency, mean = spectrum_of(run, name)
+        for run, colour, lobes in zip(runs, COLOURS, peaks_of(runs, name, known)):
+            frequency, mean = remembered(run, name, known)
             shown = frequency <= shown_hz
             panel.plot(frequency[shown], mean[shown], color=colour, lw=1, label=run.name)
             mark_peaks(panel, lobes, colour, f"{run.name}, peak at a passing frequency")
@@ -168,13 +183,13 @@ def spectra(runs):
             panel.text(target, 0.97, f" {mark}", transform=panel.get_xaxis_transform(), va="top",
                        rotation=90, ha="right", fontsize=8)
         panel.grid(alpha=0.3)
-    sampled = runs[0].time[runs[0].passage()]
+    sampled = runs[0].time[frequencies.rows_of_last_train(runs[0])]
     panels[0].set_ylabel(f"acceleration (m/s2)\n{FILTER.name_for(sampled)}", fontsize=9)
     left_out = measures.without_ends(runs[0])
     panels[-1].set_xlabel("frequency (Hz)")
     legend_below(panels[-1], handles=shown_by_name(panels))
     panels[0].set_title(wrapped(
-        f"Spectra of sleepers in the {measures.passage_words(runs)}, root mean square "
+        f"Spectra of sleepers in the {passage_of_spectra(runs)}, root mean square "
         f"{left_out or 'over all'}", 9), fontsize=10)
     return figure
 
@@ -301,7 +316,8 @@ def draw_all(runs, folder, ends=True):
     """Draws every figure, or those that do not show the ends of stages, and the table into a
     write.Folder."""
     unlike = measures.why_not_beside(runs)
-    for name, draw in FIGURES.items():
+    known = {}
+    for name, draw in (FIGURES | {"spectrum": lambda runs: spectra(runs, known)}).items():
         if name in ENDS and not ends:
             continue
         has = {"breakage": lambda run: run.breaks, "bonds": lambda run: run.bonds,
@@ -331,7 +347,7 @@ def draw_all(runs, folder, ends=True):
         folder.file("support.csv", support.table([run for run, _ in supported]))
     folder.sentences += [*effects(runs, unsound),
                          *(f"{support.summary(run)}." for run, _ in supported)]
-    text += table_of_peaks(runs)
+    text += table_of_peaks(runs, known)
     text += "".join(f"warning of {run.name}: {line}\n" for run in runs for line in run.warnings)
     folder.table("table.txt", text)
 

@@ -5,6 +5,7 @@ import numpy as np
 from trackbed_post import axles, ground_blocks, measures, read
 
 AXLE_GAP = 4.0  # m; axles that are closer form a bogie
+SAME = 0.01     # relative; passing frequencies of two runs that differ by more are not the same
 
 
 # What the speed v is divided by.
@@ -68,6 +69,23 @@ def beside(results: read.Results, marks: dict[str, float]) -> float:
     else:
         speed, long = results.deck["load"]["speed"], float(np.ptp(results.deck["load"]["axles"]))
     return RESOLVED * speed / long if long else 1.5 * min(marks.values())
+
+
+def alike(marks: dict[str, float], others: dict[str, float]) -> bool:
+    """Whether two trains have the same passing frequencies: not if their speeds differ."""
+    return marks.keys() == others.keys() and all(
+        abs(others[name] - target) <= SAME * target for name, target in marks.items())
+
+
+def rows_of_last_train(results: read.Results) -> slice:
+    """Rows of the last train of the passage, up to its end; all of it with one train, or if the
+    places of wheels are not known. The spectrum of several trains together has lines for the time
+    between them, a comb over the lobes of a train."""
+    rows, x = results.passage(), results.wheel.get("x", read.NOTHING).values
+    if not x.size or not ground_blocks.carried_by_springs(results):
+        return rows
+    trains = axles.rows_of_trains(axles.of_wheels(x[rows]))
+    return slice(rows.start + int(trains[-1][0]), rows.stop) if len(trains) > 1 else rows
 
 
 def of_passage(results: read.Results) -> dict[str, float]:

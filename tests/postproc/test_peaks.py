@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import test_postproc
-from trackbed_post import bed_on_ground, figure_csv, frequencies, passing_peaks, read
+from trackbed_post import bed_on_ground, figure_csv, frequencies, passing_peaks, read, write
 
 HERTZ = np.arange(0, 100, 0.05)
 SPEED = 44.4                                # m/s
@@ -73,7 +73,10 @@ def test_two_runs_are_judged_together(ratios, found):
 
 
 @pytest.mark.parametrize("ratio, high, words", [
-    (1.24, True, "no peak: highest lobe 0.2 kN within 1.2 Hz (at 74.00 Hz), 1.2 times the"),
+    (1.24, True, "no peak: highest lobe 0.2 kN within 1.2 Hz (at 74.00 Hz), 1.24 times the"),
+    (1.4999, True, "no peak: highest lobe 0.2 kN within 1.2 Hz (at 74.00 Hz), 1.49 times the"),
+    (1.5, True, "peak at 74.00 Hz, 0.2 kN, 1.50 times the"),
+    (np.nan, True, "no peak: highest lobe 0.2 kN within 1.2 Hz (at 74.00 Hz), with nothing beside"),
     (0.0, True, "no peak: at most 0.2 kN within 1.2 Hz (at 74.00 Hz), on the flank of a lobe"),
     (3.0, False, "(at 74.00 Hz), below 2% of the largest amplitude"),
     (3.0, True, "peak at 74.00 Hz, 0.2 kN, 3.0 times the largest amplitude beside it"),
@@ -87,6 +90,73 @@ def test_the_flank_of_a_lobe_is_no_lobe():
     lobe = passing_peaks.lobe_near((HERTZ, hump(40, 3)), 44.0, 1.0, 4.1)
     assert (lobe.ratio, lobe.frequency) == (0.0, pytest.approx(43.0))
     assert passing_peaks.lobe_near((HERTZ, hump(40, 3)), 104.0, 1.0, 4.1) is None
+
+
+def test_runs_of_different_speeds_are_judged_each_by_itself(runs, monkeypatch):
+    found = [{"v/s": passing_peaks.Lobe(74.0, 1.0, ratio, True, 1.2)} for ratio in (1.4, 1.6)]
+    assert [run["v/s"].peak for run in passing_peaks.judged(found, alike=False)] == [False, True]
+    assert frequencies.alike(MARKS, dict(MARKS)) and not frequencies.alike(
+        MARKS, {name: 1.1 * target for name, target in MARKS.items()})
+    assert not frequencies.alike(MARKS, {"v/s": MARKS["v/s"]})
+    fast = dataclasses.replace(runs[1], deck={**runs[1].deck, "load": {
+        **runs[1].deck["load"], "speed": 30.0}})
+    given = []
+    monkeypatch.setattr(passing_peaks, "judged", lambda found, alike: given.append(alike))
+    for other in (runs[1], fast):
+        bed_on_ground.peaks_of([runs[0], other], "seat_force", {})
+    assert given == [True, False]
+
+
+def test_a_maximum_near_two_passing_frequencies_is_stated_at_the_nearest():
+    found = passing_peaks.lobes((HERTZ, hump(40, 0.3) + 0.1 * hump(37, 0.3)),
+                                {"v/L_c": 41.0, "v/s": 39.5, "v/L_v": 20.0}, 4.1)
+    assert found["v/L_c"].stated_at == "v/s" and not found["v/s"].stated_at
+    assert peaks(found) == [["v/s"]]
+    text = passing_peaks.judged([found])[0]["v/L_c"].words("kN")
+    assert text == "no peak of its own: the same maximum as at v/s, which is nearer"
+
+
+def test_a_lobe_with_nothing_beside_it_is_no_peak():
+    frequency = np.array([30.0, 40.0, 50.0])
+    lobe = passing_peaks.lobe_near((frequency, np.array([0.1, 1.0, 0.1])), 40.0, 1.0, 4.1)
+    assert np.isnan(lobe.ratio)
+    assert peaks({"v/s": lobe}) == [[]]
+
+
+def two_trains(run):
+    """The run with a rail, and the same train once more in the second half of the passage."""
+    run = test_postproc.with_train(run, test_postproc.WAGONS[:4], 1)
+    rows = run.passage()
+    count = (rows.stop - rows.start) // 2
+    x = run.wheel["x"].values.copy()
+    x[rows.start + count:rows.start + 2 * count] = x[rows.start:rows.start + count]
+    return dataclasses.replace(run, wheel={**run.wheel, "x": read.Quantity(x, "m", "-")}), count
+
+
+def test_of_several_trains_the_last_one_has_the_spectrum(runs):
+    run, count = two_trains(runs[0])
+    rows = run.passage()
+    assert frequencies.rows_of_last_train(run) == slice(rows.start + count, rows.stop)
+    assert frequencies.rows_of_last_train(runs[0]) == rows
+    loud = run.sleeper["seat_force"].values.copy()
+    loud[:rows.start + count] *= 100
+    other = dataclasses.replace(run, sleeper={
+        **run.sleeper, "seat_force": read.Quantity(loud, "N", "-")})
+    for one, same in zip(bed_on_ground.spectrum_of(run, "seat_force"),
+                         bed_on_ground.spectrum_of(other, "seat_force")):
+        assert np.array_equal(one, same)
+    title = " ".join(bed_on_ground.spectra([run]).axes[0].get_title().split())
+    assert "passage, its last train, root mean square" in title
+    assert "wedge, passage, its last train\n" in bed_on_ground.table_of_peaks([run])
+    plt.close("all")
+
+
+def test_spectra_are_computed_once(runs, tmp_path, monkeypatch):
+    counted, original = [], bed_on_ground.spectrum_of
+    monkeypatch.setattr(bed_on_ground, "spectrum_of", lambda run, name: counted.append(
+        (run.name, name)) or original(run, name))
+    bed_on_ground.draw_all(runs, write.Folder(tmp_path))
+    assert len(counted) == len(set(counted)) == 2 * len(bed_on_ground.SPECTRA)
 
 
 def test_how_far_lobes_are_compared(runs):
