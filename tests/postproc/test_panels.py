@@ -63,7 +63,7 @@ def test_legends_are_outside_of_the_curves(runs, monkeypatch):
 
 
 def test_displacements_on_axes_are_up_positive(runs, monkeypatch):
-    level, settled, _ = drawn_transition(monkeypatch).axes
+    level, _, settled = drawn_transition(monkeypatch).axes
     upper, lower = bed_on_ground.envelope(runs).axes
     for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
         ends = ["end of the bed (hollow)"] * (panel is upper)

@@ -270,7 +270,7 @@ def test_each_run_is_measured_to_its_own_plain_track():
 
 def test_ends_of_the_bed_are_not_searched():
     one = train(7.8)
-    zone = dataclasses.replace(transition.changes_of([one])[0].zone)
+    zone = transition.changes_of([one])[0].zone
     level = np.full(len(X), 0.4e-3)
     level[zone.plain], level[-3:] = np.nan, 5e-3
     assert np.isnan(zones.rail_width(zone, level))
