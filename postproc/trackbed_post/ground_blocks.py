@@ -11,7 +11,7 @@ import numpy as np
 
 from trackbed_post import read
 
-STRUCTURE = 10e9  # Pa, least Young's modulus of a structure: that of concrete
+STRUCTURE = 10e9  # Pa, least Young's modulus of a structure; concrete has about 30 GPa
 DEEP = 0.5        # of the depth of the ground, over which a structure reaches at least
 # In words, for messages; a slab on the ground is as stiff, but goes down with the ground below it.
 RULE = (f"at least {STRUCTURE / 1e9:g} GPa, from the surface over at least half of the depth of "

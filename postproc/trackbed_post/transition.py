@@ -197,8 +197,8 @@ def change_of(train, zone):
         plain_begin=float(x[zone.plain].min()), plain_end=float(x[zone.plain].max()))
 
 
-ROWS = (("lowest level of the rail on the structure, mm down", "structure", 1e3),
-        ("lowest level of the rail on plain track, mm down", "plain", 1e3),
+ROWS = (("lowest level of the rail, mean on the structure, mm down", "structure", 1e3),
+        ("lowest level of the rail, median on plain track, mm down", "plain", 1e3),
         (f"distance behind the structure where {REACHED:.0%} of the change is reached, m",
          "width", 1),
         ("the same distance for the level of the sleepers, m", "sleeper_width", 1),

@@ -98,7 +98,7 @@ def name_axes(force, level, settled):
         panel.plot([], [], ls="", marker=marker, ms=3, color="0.2", mfc="white", mew=0.8,
                    label="not judged (ends of the bed)")
     level.set_ylabel(f"lowest level,\n{panels.UP}")
-    settled.set_ylabel(f"settlement into\nthe bed, {panels.UP}")
+    settled.set_ylabel(f"sleepers relative to\nthe ground, {panels.UP}")
     force.set_ylabel("largest wheel force\nof all axles, kN")
     settled.set_xlabel("x along the track, m")
     for panel in (level, force, settled):

@@ -17,8 +17,8 @@ REACHED = "distance behind the structure where 90% of the change is reached, m"
 STEEPEST = "steepest change between two sleepers of the transition, mm/m"
 BEHIND = "distance of the steepest change behind the structure, m"
 SCATTER = "steepest change between two sleepers of plain track (scatter of the bed), mm/m"
-STRUCTURE, PLAIN = (f"lowest level of the rail {where}, mm down" for where in (
-    "on the structure", "on plain track"))
+STRUCTURE, PLAIN = (f"lowest level of the rail, {where}, mm down" for where in (
+    "mean on the structure", "median on plain track"))
 FORCE, ON_PLAIN = (f"largest wheel force {where}, kN" for where in (
     "in the transition", "on plain track"))
 MEAN = "mean wheel force over the bed, kN"
@@ -35,13 +35,13 @@ SENTENCES = {
     f"with it, .*?, {N} m behind the structure":
         ((STEEPEST, 1), (BEHIND, 1), (STEEPEST, 0), (BEHIND, 0)),
     f"changes between neighbouring sleepers of plain track, up to {N} mm/m": ((SCATTER, max),),
-    f"sleepers' own levels, 90 % is reached {N} m behind the structure without the wedge and {N} m "
-    f"behind it with the wedge": ((SLEEPERS_REACHED, 1), (SLEEPERS_REACHED, 0)),
+    f"sleepers themselves reach 90 % of their change {N} m behind the structure without the wedge "
+    f"and {N} m behind it with the wedge": ((SLEEPERS_REACHED, 1), (SLEEPERS_REACHED, 0)),
     f"change of the sleepers' own levels is {N} mm/m without the wedge and {N} mm/m with it, on "
     f"plain track up to {N} mm/m": ((SLEEPERS, 1), (SLEEPERS, 0), (SLEEPERS_PLAIN, max)),
-    f"it settles by at most {N} mm with the wedge and {N} mm without":
+    f"no sleeper settles by more than {N} mm with the wedge and {N} mm without":
         ((SETTLEMENT, 0), (SETTLEMENT, 1)),
-    f"wheel force behind the structure is {N} kN with the wedge and {N} kN without, on plain track "
+    f"wheel force in the transition is {N} kN with the wedge and {N} kN without, on plain track "
     f"{N} and {N} kN; the mean over the bed is {N} kN":
         ((FORCE, 0), (FORCE, 1), (ON_PLAIN, 0), (ON_PLAIN, 1), (MEAN, 0)),
 }

@@ -1,5 +1,5 @@
 // The rules of postproc/trackbed_post/ground_blocks.py, which judges finished runs: a structure is
-// as stiff as concrete and deep, all other blocks are measures, and sleepers at the ends of the bed
+// stiff and deep, all other blocks are measures, and sleepers at the ends of the bed
 // are not judged. Where rail and ground have changed is known only after a run; so plain track may
 // begin later than stated here.
 #include "model/check/comparison.hpp"
@@ -15,9 +15,9 @@ namespace trackbed::model {
 
 namespace {
 
-constexpr double concrete = 10e9;  // Pa, least Young's modulus of a structure
-constexpr double deep = 0.5;       // of the depth of the ground
-constexpr double tiny = 1e-9;      // m
+constexpr double stiff_as_structure = 10e9;  // Pa, least Young's modulus of a structure
+constexpr double deep = 0.5;                 // of the depth of the ground
+constexpr double tiny = 1e-9;                // m
 constexpr std::size_t ends_on_springs = 3, ends_at_walls = 1;  // sleepers that are not judged
 constexpr double behind = 2;    // spacings, from the last change to plain track
 constexpr std::size_t few = 2;  // sleepers that each part needs
@@ -30,7 +30,7 @@ struct Extent {
 struct Outline {
   Extent x, z;
   bool stiff = false;
-  explicit Outline(const fem::Block& block) : stiff(block.solid.young >= concrete) {
+  explicit Outline(const fem::Block& block) : stiff(block.solid.young >= stiff_as_structure) {
     for (std::size_t k = 0; k + 1 < block.outline.size(); k += 2)
       x.add(block.outline[k]), z.add(block.outline[k + 1]);
   }
@@ -125,7 +125,7 @@ std::string words_of_comparison(const Model& model) {
     return fmt::format(
         "  transition: no block is a structure (at least {:g} GPa, from the surface over at least "
         "half of the depth of the ground): comparisons give no verdict",
-        concrete / 1e9);
+        stiff_as_structure / 1e9);
   count_sleepers(model, *parts);
   const double plain =
       parts->edge + parts->turn * (parts->changed + behind * model.sleepers.spacing);
