@@ -129,9 +129,9 @@ def check_parts(stated, run):
     """`check` counts the sleepers that comparisons judge as these do, if only blocks change the
     track."""
     zone = zones.zone_of(run, ground_blocks.wedge_length(run))
-    words = (f"with {zone.structure.sum()} sleepers that comparisons judge",
-             f"plain track from x = {run.sleepers_x[zone.plain].min():g} m or later with at most "
-             f"{zone.plain.sum()}")
+    words = (f"plain track from x = {run.sleepers_x[zone.plain].min():g} m or later",
+             f"judge {zone.structure.sum()} of the sleepers on the structure and at most "
+             f"{zone.plain.sum()} on plain track")
     if not all(each in stated for each in words):
         raise SystemExit(f"check must state {words}: {stated}")
 

@@ -130,12 +130,11 @@ std::string words_of_comparison(const Model& model) {
   const double plain =
       parts->edge + parts->turn * (parts->changed + behind * model.sleepers.spacing);
   return fmt::format(
-      "  transition: structure up to x = {:g} m with {} sleepers that comparisons judge, plain "
-      "track "
-      "from x = {:g} m or later with at most {}{}",
-      parts->edge, parts->on, plain, parts->off,
+      "  transition: structure up to x = {:g} m, plain track from x = {:g} m or later; comparisons "
+      "judge {} of the sleepers on the structure and at most {} on plain track{}",
+      parts->edge, plain, parts->on, parts->off,
       std::min(parts->on, parts->off) < few
-          ? fmt::format("; a verdict needs at least {} on each", few)
+          ? fmt::format(" (a verdict needs at least {} on each)", few)
           : "");
 }
 
