@@ -1,6 +1,6 @@
-"""Blocks of the ground and their roles: a deep block as stiff as concrete is a structure, every
-other one is a measure: a wedge, an approach slab, another part of the ground. Names of blocks
-decide on the words for a measure, not on its role.
+"""Blocks of the ground and their roles: unless the deck states a role, a deep block as stiff as
+concrete is a structure, every other one is a measure: a wedge, an approach slab, another part of
+the ground. Names of blocks decide on the words for a measure, not on its role.
 
 Roles, and the stretch of plain track that follows from them, are explained in docs/postproc.md.
 """
@@ -15,7 +15,7 @@ STRUCTURE = 10e9  # Pa, least Young's modulus of a structure; concrete has about
 DEEP = 0.5        # of the depth of the ground, over which a structure reaches at least
 # In words, for messages; a slab on the ground is as stiff, but goes down with the ground below it.
 RULE = (f"at least {STRUCTURE / 1e9:g} GPa, from the surface over at least half of the depth of "
-        "the ground")
+        'the ground, or role = "structure"')
 TINY = 1e-9       # m, tolerance of coordinates
 ENDS = 3          # sleepers at each end of the bed that are not judged if springs are beside them
 WALLS = 1         # the same if there are none: the bed ends at walls
@@ -32,6 +32,7 @@ class Block:
     bottom: float             # z of its lowest corner
     top: tuple[float, float]  # smallest and largest x there
     x: np.ndarray             # of all corners
+    role: str = "auto"        # stated by the deck
     structure: bool = False
     softer: bool = False      # than the layers that it replaces
 
@@ -51,7 +52,7 @@ def _block(given: read.Deck) -> Block:
     top = outline[outline[:, 1] >= height - TINY][:, 0]
     return Block(given["name"], float(given.get("young", 0)), given.get("present", True), height,
                  float(np.min(outline[:, 1])), (float(np.min(top)), float(np.max(top))),
-                 outline[:, 0])
+                 outline[:, 0], given.get("role", "auto"))
 
 
 def _carries(lower: Block, upper: Block) -> bool:
@@ -93,7 +94,9 @@ def every(results: read.Results) -> list[Block]:
     all_present = _structures(stiff, depth(results))
     return [dataclasses.replace(
         block, softer=block.young < _replaced(block, results),
-        structure=block.name in (there if block.present else all_present)) for block in found]
+        structure=block.role == "structure" or (
+            block.role == "auto" and block.name in (there if block.present else all_present)))
+        for block in found]
 
 
 def _replaced(block: Block, results: read.Results) -> float:

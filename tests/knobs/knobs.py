@@ -336,6 +336,7 @@ KNOBS |= {name.replace("bed.", "bed.layer.[].", 1):
 # Parameters that must not change anything here, with the reason.
 EXCEPTIONS = {
     "dem.skin": "speed only, a change of results would be an error; skin_test counts rebuilds",
+    "ground.block.[].role": "only comparisons depend on it; drawing.py, test_ground_blocks.py",
     "bond.[].name": "only the report on screen has it; placed.py reads it there",
     "output.compress": "storage only; labels.py compares results with and without",
     "dem.rebalance": "speed only, as dem.skin; balance_test counts new splits",

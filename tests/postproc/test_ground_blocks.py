@@ -68,6 +68,15 @@ def test_a_structure_is_as_stiff_as_concrete(runs, young, edge):
     assert ground_blocks.edge_of_structure(run) == edge
 
 
+@pytest.mark.parametrize("young, role, edge", [
+    (1e9, "structure", made.EDGE), (3e10, "measure", None), (3e10, "auto", made.EDGE)])
+def test_a_deck_may_state_the_role_of_a_block(runs, young, role, edge):
+    run = with_blocks(runs[0], ("bridge", young, box(0, made.EDGE)))
+    run.deck["ground"]["block"][0]["role"] = role
+    assert ground_blocks.edge_of_structure(run) == edge
+    assert [block.name for block in ground_blocks.measures_of(run)] == ([] if edge else ["bridge"])
+
+
 def test_soft_blocks_are_one_stretch_and_touching_structures_one(runs):
     run = with_blocks(runs[0], ("wedge_surface", 6e8, box(2, 5)), ("deck", 3e10, box(0.0, 1.5)),
                       ("abutment", 2e10, box(1.5, 2)), ("wedge", 3e8, box(2, 4, -0.6)),

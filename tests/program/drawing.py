@@ -15,7 +15,8 @@ sys.path.insert(0, str(HERE.parent / "support"))
 from program import Program, expect  # noqa: E402
 
 SVG = "{http://www.w3.org/2000/svg}"
-SLEEPER, LAYER = "#5b4636", "#e8dcc0"  # fills of a sleeper on stones and of the uppermost layer
+# Fills of a sleeper on stones, of the uppermost layer and of a structure.
+SLEEPER, LAYER, STRUCTURE = "#5b4636", "#e8dcc0", "#9aa0a6"
 PIXEL = 0.02                           # two coordinates rounded to 0.01, and the scale
 
 
@@ -59,12 +60,26 @@ def check_transition(program, deck, folder):
     drawing.expect_near((middles[-1] - middles[0]) / (len(middles) - 1),
                         given["sleepers"]["spacing"] * metre, "distance of sleepers")
     block = next(b for b in given["ground"]["block"] if b["name"] == "structure")
-    ends = drawing.polygons("#9aa0a6")[0]
+    ends = drawing.polygons(STRUCTURE)[0]
     drawing.expect_near(ends[1] - ends[0],
                         (max(block["outline"][::2]) - min(block["outline"][::2])) * metre,
                         "length of the structure")
     for name in [layer["name"] for layer in given["ground"]["layer"]] + ["structure", "wedge, "]:
         expect(name in drawing.texts(), f"the drawing must name {name}", drawing.ran)
+
+
+def check_roles(program, deck, folder):
+    """A deck states which blocks are structures; report and drawing agree."""
+    for role, count, words in (("structure", 2, "structure up to x = 15 m"),
+                               ("measure", 1, "structure up to x = 2 m")):
+        file = folder / f"wedge_as_{role}.svg"
+        ran = program.done(1, "check", deck, f"ground.block.wedge_surface.role={role}", "--draw",
+                           file)
+        grey = [part for part in ET.parse(file).getroot().iter(f"{SVG}polygon")
+                if part.get("fill") == STRUCTURE]
+        expect(len(grey) == count and words in ran.stdout, f"the surface as a {role}", ran)
+    ran = program.done(1, "check", deck, "ground.block.structure.role=measure")
+    expect('no block is a structure' in ran.stdout, "no structure left", ran)
 
 
 def check_train(program, deck, folder):
@@ -112,6 +127,7 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     check_transition(program, inputs / "shi/transition.toml", folder)
+    check_roles(program, inputs / "shi/transition.toml", folder)
     check_train(program, inputs / "track/on_bed.toml", folder)
     check_others(program, inputs, folder)
     check_refused(program, inputs / "track/plain.toml", folder)

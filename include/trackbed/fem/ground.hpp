@@ -50,8 +50,12 @@ struct Layer {
 // A region cut out of the layers: elements whose centre is inside the outline are made of its
 // solid; later blocks overrule earlier ones. Used for structure, wedge and surface layer of the
 // transition.
+// What a block is in comparisons of transitions; automatic: it follows from modulus and depth.
+enum class BlockRole { automatic, structure, measure };
+
 struct Block {
   std::string name;
+  BlockRole role = BlockRole::automatic;  // has no effect on a run
   bool present = true;
   std::vector<double> outline;  // m, x and z of each corner in turn; z = 0 is the top
   Elastic solid;

@@ -97,20 +97,15 @@ void require_readable(const par::Comm& comm, const std::string& path) {
   if (!problem.empty()) throw InputError({problem});
 }
 
-// A picture that cannot be written is a failure of the command.
+// If `path` names one. A picture that cannot be written is a failure of the command.
 void draw(const par::Comm& comm, const std::string& path, const model::Model& model,
           const std::vector<bed::PlacedShape>& shapes, const std::string& deck) {
+  if (path.empty()) return;
   io::replace_file_on_root(comm, path, [&](const std::string& part) {
     std::ofstream file(part);
     file << model::drawing_of(model, shapes, deck);
     if (!file.flush()) throw RunError(path + " cannot be written: " + std::strerror(errno));
   });
-}
-
-void draw_if_wanted(const par::Comm& comm, const std::string& path, const model::Model& model,
-                    const std::vector<bed::PlacedShape>& shapes, const std::string& deck) {
-  if (path.empty()) return;
-  draw(comm, path, model, shapes, deck);
   print(comm, "drawing: " + path + "\n");
 }
 
@@ -186,7 +181,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
       print(comm, ground.size + "\n");
     model::check_track(comm, model);  // takes steps, and so uses the options of the ground
     warn_of_unused_options(comm, fem::Petsc::unused_options());
-    draw_if_wanted(comm, arguments.drawing, model, {}, arguments.deck);
+    draw(comm, arguments.drawing, model, {}, arguments.deck);
     print(comm, arguments.deck + " is valid\n");
     return static_cast<int>(ExitCode::success);
   }
@@ -201,7 +196,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   look_at_profiles(model, warnings);
   model::check_stages(
       comm, model, {deck, arguments.deck, start, ground.size, to_place, stones, arguments.ranks});
-  draw_if_wanted(comm, arguments.drawing, model, to_place.shapes, arguments.deck);
+  draw(comm, arguments.drawing, model, to_place.shapes, arguments.deck);
   print(comm, arguments.deck + " is valid\n");
   return static_cast<int>(ExitCode::success);
 }

@@ -298,8 +298,6 @@ MeshReport look_at_mesh(const GroundParameters& parameters) {
 std::vector<std::size_t> covered_blocks(const GroundParameters& parameters, Dimension dimension) {
   const Lattice lattice = make_lattice(parameters, dimension, 1);
   const auto count = parameters.blocks.size();
-  std::vector<GroundParameters> alone(count, parameters);  // with one block each
-  for (std::size_t b = 0; b < count; ++b) alone[b].blocks = {parameters.blocks[b]};
   std::vector<bool> holds(count, false), left(count, false);
   for (Id element = 0; element < lattice.element_count(); ++element) {
     const Vec3 centre = lattice.centre(element);
@@ -307,7 +305,7 @@ std::vector<std::size_t> covered_blocks(const GroundParameters& parameters, Dime
     if (region < 0) continue;
     left[static_cast<std::size_t>(region) - parameters.layers.size()] = true;
     for (std::size_t b = 0; b < count; ++b)
-      holds[b] = holds[b] || left[b] || block_at(alone[b], centre) >= 0;
+      holds[b] = holds[b] || left[b] || contains(parameters.blocks[b], centre);
     if (std::find(left.begin(), left.end(), false) == left.end()) break;
   }
   std::vector<std::size_t> covered;

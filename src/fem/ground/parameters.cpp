@@ -293,6 +293,9 @@ void Layer::declare(Section& s) {
 
 void Block::declare(Section& s) {
   s.text("name", name, "Name of the block in messages and overrides.");
+  s.choice("role", role, {"auto", "structure", "measure"},
+           "What the block is in comparisons of transitions; auto: a structure if it is stiff and "
+           "deep (docs/postproc.md), a measure otherwise. The run does not depend on it.");
   auto fixed = s.fixed_by(input::state::moved_ground);
   s.flag("present", present,
          "Whether the block exists; false: the block is ignored, and the layers keep their "

@@ -176,19 +176,16 @@ Lattice make_lattice(const GroundParameters& parameters, Dimension dimension, do
   return lattice;
 }
 
-namespace {
-
-bool holds(const Block& block, const Vec3& point) {
+bool contains(const Block& block, const Vec3& point) {
   const bool across = block.y.empty() || (block.y[0] <= point.y() && point.y() <= block.y[1]);
   return block.present && across && inside(block.outline, point.x(), point.z());
 }
 
-}  // namespace
-
 int block_at(const GroundParameters& parameters, const Vec3& point) {
   for (std::size_t b = parameters.blocks.size(); b-- > 0;) {
     // From the last block backwards: later blocks overrule earlier ones.
-    if (holds(parameters.blocks[b], point)) return static_cast<int>(parameters.layers.size() + b);
+    if (contains(parameters.blocks[b], point))
+      return static_cast<int>(parameters.layers.size() + b);
   }
   return -1;
 }

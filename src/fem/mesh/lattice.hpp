@@ -67,6 +67,8 @@ struct Lattice {
 
 Lattice make_lattice(const GroundParameters& parameters, Dimension dimension, double thickness);
 
+bool contains(const Block& block, const Vec3& point);  // never if the block is not present
+
 // Number of the layer or, after all layers, of the block that contains a point.
 int region_at(const GroundParameters& parameters, const Vec3& point);
 int block_at(const GroundParameters& parameters, const Vec3& point);  // -1: in none

@@ -29,8 +29,9 @@ struct Extent {
 
 struct Outline {
   Extent x, z;
-  bool stiff = false;
-  explicit Outline(const fem::Block& block) : stiff(block.solid.young >= stiff_as_structure) {
+  bool stiff = false, structural = false;
+  explicit Outline(const fem::Block& block)
+      : stiff(block.present && block.solid.young >= stiff_as_structure) {
     for (std::size_t k = 0; k + 1 < block.outline.size(); k += 2)
       x.add(block.outline[k]), z.add(block.outline[k + 1]);
   }
@@ -62,23 +63,34 @@ struct Parts {
   std::size_t on = 0, off = 0;  // sleepers that are judged on the structure and on plain track
 };
 
+// One for each block, in turn.
+std::vector<Outline> outlines_of(const fem::GroundParameters& ground) {
+  std::vector<Outline> blocks(ground.blocks.begin(), ground.blocks.end());
+  double depth = 0;
+  for (const fem::Layer& layer : ground.layers) depth += layer.thickness;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const fem::Block& block = ground.blocks[b];
+    blocks[b].structural =
+        block.present && (block.role == fem::BlockRole::structure ||
+                          (block.role == fem::BlockRole::automatic && blocks[b].stiff &&
+                           -bottom_of(blocks[b], blocks) >= deep * depth - tiny));
+  }
+  return blocks;
+}
+
 std::optional<Parts> parts_of(const Model& model) {
   const fem::GroundParameters& ground = model.ground;
   std::vector<Outline> blocks;
-  for (const fem::Block& block : ground.blocks)
-    if (block.present && block.outline.size() >= 6) blocks.emplace_back(block);
-  double depth = 0;
-  for (const fem::Layer& layer : ground.layers) depth += layer.thickness;
-  const auto structural = [&](const Outline& block) {
-    return block.stiff && -bottom_of(block, blocks) >= deep * depth - tiny;
-  };
+  const std::vector<Outline> all = outlines_of(ground);
+  for (std::size_t b = 0; b < all.size(); ++b)
+    if (ground.blocks[b].present) blocks.push_back(all[b]);
   const auto inside = [&](double x) { return x > ground.x[0] + tiny && x < ground.x[1] - tiny; };
   // Structures along x; those that touch are one.
   std::vector<Extent> structures;
   std::sort(blocks.begin(), blocks.end(),
             [](const Outline& a, const Outline& b) { return a.x.low < b.x.low; });
   for (const Outline& block : blocks) {
-    if (!structural(block) || block.z.high < -tiny) continue;
+    if (!block.structural || block.z.high < -tiny) continue;
     if (!structures.empty() && block.x.low <= structures.back().high + tiny)
       structures.back().add(block.x.high);
     else
@@ -92,7 +104,7 @@ std::optional<Parts> parts_of(const Model& model) {
   parts.turn = inside(found->high) ? 1 : -1;
   parts.edge = parts.turn > 0 ? found->high : found->low;
   for (const Outline& block : blocks)
-    if (!structural(block))
+    if (!block.structural)
       parts.changed = std::max({parts.changed, parts.turn * (block.x.low - parts.edge),
                                 parts.turn * (block.x.high - parts.edge)});
   return parts;
@@ -115,6 +127,12 @@ void count_sleepers(const Model& model, Parts& parts) {
 
 }  // namespace
 
+std::vector<bool> structural_blocks(const fem::GroundParameters& ground) {
+  std::vector<bool> found;
+  for (const Outline& block : outlines_of(ground)) found.push_back(block.structural);
+  return found;
+}
+
 std::string words_of_comparison(const Model& model) {
   const fem::GroundParameters& ground = model.ground;
   if (!ground.present || ground.blocks.empty() || ground.x.size() != 2 || ground.layers.empty() ||
@@ -124,7 +142,7 @@ std::string words_of_comparison(const Model& model) {
   if (!parts)
     return fmt::format(
         "  transition: no block is a structure (at least {:g} GPa, from the surface over at least "
-        "half of the depth of the ground): comparisons give no verdict",
+        "half of the depth of the ground, or role = \"structure\"): comparisons give no verdict",
         stiff_as_structure / 1e9);
   count_sleepers(model, *parts);
   const double plain =

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "model/check/comparison.hpp"
 #include "model/check/picture.hpp"
 #include "trackbed/model/checks.hpp"
 #include "trackbed/track/rail.hpp"
@@ -25,8 +26,6 @@ constexpr Paint thin{.line = "#333"}, rail{.line = "#222", .width = 4};
 constexpr Paint wheel{.fill = "#444", .line = "black"}, body{.fill = "#dfe7ef", .line = "#2f4b66"};
 constexpr Paint load{.line = "#c1121f", .width = 1.5};
 constexpr Paint stone{.fill = "#b5a48f", .line = "#5b4636", .width = 0.6, .opacity = 0.6};
-constexpr double least_of_structures = 10e9;  // Pa: concrete and stiffer
-constexpr double depth_of_structures = 0.5;   // of the ground's, from its surface
 constexpr const char* layer_fill[] = {"#e8dcc0", "#d9c7a0", "#c8b184", "#b79b6c"};
 
 std::string modulus(double pascal) {
@@ -34,29 +33,19 @@ std::string modulus(double pascal) {
                        : fmt::format("{:g} MPa", pascal / 1e6);
 }
 
-// As the post-processing decides, which also counts blocks that stand on others: a slab of concrete
-// on the surface is none.
-bool is_structure(const fem::GroundParameters& ground, const fem::Block& block) {
-  double depth = 0, low = 0, high = -std::numeric_limits<double>::infinity();
-  for (const fem::Layer& layer : ground.layers) depth += layer.thickness;
-  for (std::size_t k = 1; k < block.outline.size(); k += 2)
-    low = std::min(low, block.outline[k]), high = std::max(high, block.outline[k]);
-  constexpr double rounding = 1e-9;
-  return block.solid.young >= least_of_structures && high >= -rounding * depth &&
-         low <= -(depth_of_structures - rounding) * depth;
-}
-
 void draw_blocks(const fem::GroundParameters& ground, Picture& picture) {
-  for (const fem::Block& b : ground.blocks) {
+  const std::vector<bool> structural = structural_blocks(ground);
+  for (std::size_t k = 0; k < ground.blocks.size(); ++k) {
+    const fem::Block& b = ground.blocks[k];
     if (!b.present) continue;
     std::vector<Point2> corners;
     Point2 middle{0, 0};
-    for (std::size_t k = 0; k + 1 < b.outline.size(); k += 2) {
-      corners.push_back({b.outline[k], b.outline[k + 1]});
-      middle.x += b.outline[k], middle.z += b.outline[k + 1];
+    for (std::size_t c = 0; c + 1 < b.outline.size(); c += 2) {
+      corners.push_back({b.outline[c], b.outline[c + 1]});
+      middle.x += b.outline[c], middle.z += b.outline[c + 1];
     }
     const auto count = static_cast<double>(corners.size());
-    picture.polygon(std::move(corners), is_structure(ground, b) ? structure : block);
+    picture.polygon(std::move(corners), structural[k] ? structure : block);
     picture.text({middle.x / count, middle.z / count},
                  fmt::format("{}, {}", b.name, modulus(b.solid.young)));
   }
