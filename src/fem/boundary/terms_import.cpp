@@ -171,16 +171,30 @@ Springs springs_below(const Mesh& mesh, const GroundParameters& parameters) {
   return springs;
 }
 
-// s, step of central differences with stiffness-proportional damping.
-double step_of(const Mesh& mesh, std::size_t z, Eigen::MatrixXd k) {
+// s, step of central differences with stiffness-proportional damping, from omega^2.
+double step_from(double squared, const Elastic& solid) {
+  const double omega = std::sqrt(squared), damped = 0.5 * solid.rayleigh_stiffness * omega;
+  return 2 / omega * (std::sqrt(1 + damped * damped) - damped);
+}
+
+// At least the largest eigenvalue, and at most 1.53 times it for 30 of them: the eighth root of the
+// sum of their eighth powers. Takes far less time than the eigenvalues.
+double above_eigenvalues(const Eigen::MatrixXd& a) {
+  const double size = a.norm();
+  const Eigen::MatrixXd square = (a / size) * (a / size), fourth = square * square;
+  constexpr double rounding = 1e-9;  // far above that of the products
+  return size * std::pow(fourth.norm(), 0.25) * (1 + rounding);
+}
+
+// s, of an element if it is shorter than `shortest`; otherwise any longer one.
+double step_of(const Mesh& mesh, std::size_t z, Eigen::MatrixXd k, double shortest) {
   const Elastic& solid = solid_of(mesh, static_cast<std::int32_t>(z));
   const double whole = solid.density * tetrahedron_volume(places(mesh, z));
   Eigen::VectorXd root(30);
   for (int f = 0; f < 30; ++f) root[f] = 1 / std::sqrt(whole * tetrahedron_mass_fraction(f / 3));
   k = (root.asDiagonal() * k * root.asDiagonal()).eval();
-  const double squared = symmetric_eigenvalues(k).maxCoeff();
-  const double omega = std::sqrt(squared), damped = 0.5 * solid.rayleigh_stiffness * omega;
-  return 2 / omega * (std::sqrt(1 + damped * damped) - damped);
+  const double at_least = step_from(above_eigenvalues(k), solid);
+  return at_least > shortest ? at_least : step_from(symmetric_eigenvalues(k).maxCoeff(), solid);
 }
 
 // Collective: names the element by its number in the file, or by its position if there is no file.
@@ -196,7 +210,7 @@ std::string name_of(const Mesh& mesh, const GroundParameters& parameters, Id ele
 
 }  // namespace
 
-// The bound of terms.hpp, element by element: some 50 us each, needed for explicit steps only.
+// The bound of terms.hpp, element by element, needed for explicit steps only.
 // Collective; the same step on all ranks.
 double critical_step_of_tetrahedra(const Mesh& mesh, const GroundParameters& parameters,
                                    const Stiffness& stiffness, std::string& limit) {
@@ -207,7 +221,7 @@ double critical_step_of_tetrahedra(const Mesh& mesh, const GroundParameters& par
   for (std::size_t z = 0; z < mesh.element.size(); ++z) {
     Eigen::MatrixXd k = stiffness.matrix(mesh, z);
     if (const auto on = springs.find(z); on != springs.end()) k.diagonal() += on->second;
-    const double step = step_of(mesh, z, std::move(k));
+    const double step = step_of(mesh, z, std::move(k), shortest);
     if (step < shortest) shortest = step, which = mesh.element[z];
   }
   const double least = -mesh.comm.max(-shortest);
