@@ -42,6 +42,10 @@ class Train:
         first = self.passing.first
         return self.passing.displacement[first] - self.passing.displacement[first:].min(axis=0)
 
+    def unevenness(self):
+        """Difference between the highest and the lowest sleeper before the train."""
+        return np.ptp(self.passing.displacement[self.passing.first])
+
     def settlement(self):
         """Of each sleeper into the bed: relative to the ground below it, which still vibrates when
         the train has left."""
@@ -234,7 +238,9 @@ OF_TRAINS = (("mean wheel force over the bed, kN", lambda train: 1e-3 * train.me
              ("settlement of sleepers into the bed, relative to the ground, mean, mm",
               lambda train: 1e3 * train.settlement_judged().mean()),
              ("settlement of sleepers into the bed, relative to the ground, largest, mm",
-              lambda train: 1e3 * train.settlement_judged().max()))
+              lambda train: 1e3 * train.settlement_judged().max()),
+             ("difference of the sleepers' levels before the train, largest, mm",
+              lambda train: 1e3 * train.unevenness()))
 
 
 def table(trains, changes):

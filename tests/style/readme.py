@@ -26,6 +26,7 @@ SLEEPERS, SLEEPERS_PLAIN = (f"the same of the sleepers {where}, mm/m" for where 
     "in the transition", "on plain track"))
 SLEEPERS_REACHED = "the same distance for the level of the sleepers, m"
 SETTLEMENT = "settlement of sleepers into the bed, relative to the ground, largest, mm"
+UNEVENNESS = "difference of the sleepers' levels before the train, largest, mm"
 SENTENCES = {
     f"increases from {N} mm on the structure to {N} mm on the plain track":
         ((STRUCTURE, 1), (PLAIN, 1)),
@@ -41,6 +42,7 @@ SENTENCES = {
     f"plain track up to {N} mm/m": ((SLEEPERS, 1), (SLEEPERS, 0), (SLEEPERS_PLAIN, max)),
     f"no sleeper settles by more than {N} mm with the wedge and {N} mm without":
         ((SETTLEMENT, 0), (SETTLEMENT, 1)),
+    f"sleepers whose levels differ by up to {N} mm": ((UNEVENNESS, max),),
     f"wheel force in the transition is {N} kN with the wedge and {N} kN without, on plain track "
     f"{N} and {N} kN; the mean over the bed is {N} kN":
         ((FORCE, 0), (FORCE, 1), (ON_PLAIN, 0), (ON_PLAIN, 1), (MEAN, 0)),
