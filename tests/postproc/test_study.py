@@ -14,7 +14,8 @@ import pytest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "jobs"))
 import launch  # noqa: E402
 import study  # noqa: E402
-from studies import chen, demfem, netirail, netirail_document, shi  # noqa: E402
+from studies import (chen, chen_runs, chen_targets, demfem, netirail,  # noqa: E402
+                     netirail_document, shi)
 from studies.study import (Lines, Numbers, Run, Target, counted, reflowed,  # noqa: E402
                            targets_table)
 
@@ -341,6 +342,6 @@ def test_antisymmetric_part_of_shear(shear, part):
 def test_growth_compares_loads_packing_by_packing():
     numbers = Numbers({})
     for packing, light, heavy in ((1, 100, 150), (2, 200, 500)):
-        numbers.put(chen.name_of(17, 120, packing), "corners broken", light, "-")
-        numbers.put(chen.name_of(25, 120, packing), "corners broken", heavy, "-")
-    assert np.allclose(chen.growth(numbers, "corners broken"), (50, 150))
+        numbers.put(chen_runs.name_of(17, 120, packing), "corners broken", light, "-")
+        numbers.put(chen_runs.name_of(25, 120, packing), "corners broken", heavy, "-")
+    assert np.allclose(chen_targets.growth(numbers, "corners broken"), (50, 150))
