@@ -139,6 +139,7 @@ def write_document(name, folder):
     study_of(name)
     try:
         numbers, lines = Numbers.read(folder / "numbers.csv"), Lines.read(folder / "lines.csv")
+        numbers.lines = lines
         text = document_of(name, numbers)
     except OSError as error:
         launch.refuse(f"{error.filename}: {error.strerror}")
@@ -178,6 +179,7 @@ def repeat(program, name, form, folder):
                       functools.partial(do, program, key, run, folder)) for run in runs], ranks)
     numbers, lines = Numbers({"version": version, "machine": machine(),
                               "command": f"jobs/study.sh {name} {form}"}), Lines()
+    numbers.lines = lines
     try:
         study.measure(form, folder, numbers, lines)
     except (read.Unreadable, OSError, KeyError, ValueError) as error:

@@ -47,13 +47,14 @@ class Run:
 
 @dataclasses.dataclass(frozen=True)
 class Target:
-    """A published value beside ours. `close`: relative deviation that counts as reproduced; without
-    a published number `holds` decides. `sign`: whether our value has the published sign or order,
+    """A published value beside ours. An input is prescribed: it checks that the run is the intended
+    one. `close`: relative deviation that counts as reproduced; without a published number `holds`
+    decides. `sign`: whether our value has the published sign or order,
     which the short form requires of main targets; None: it is not required. `each`: the value of
     each packing, of which `ours` is the mean. `see`: section with experiments if it is not
     reproduced."""
     what: str
-    kind: str  # hard, main or soft, see the document
+    kind: str  # hard, main or soft, see the document; or input
     published: str
     ours: float
     unit: str
@@ -86,11 +87,12 @@ class Target:
 
 class Numbers:
     """Values by run and quantity, with units. A quantity is missing if its run is not part of the
-    form."""
+    form. `lines`: the Lines of the same runs."""
 
     def __init__(self, about):
         self.about = dict(about)  # version, machine, command
         self.rows = {}
+        self.lines = Lines()
 
     def put(self, run, quantity, value, unit):
         self.rows[run, quantity] = (float(f"{value:.6g}"), unit)
@@ -188,12 +190,14 @@ def targets_table(targets):
 
 
 def counted(targets):
-    """'12 of 20 targets are reproduced ...' """
-    found = [target.reproduced() for target in targets]
+    """'Of 20 targets 12 are reproduced ...'; inputs are counted apart."""
+    inputs = [target.reproduced() is True for target in targets if target.kind == "input"]
+    found = [target.reproduced() for target in targets if target.kind != "input"]
     some = sum(not isinstance(each, bool) for each in found)
     yes, no = (sum(each is verdict for each in found) for verdict in (True, False))
     return (f"Of {len(found)} targets {yes} are reproduced"
-            + (f", {some} in some packings only" if some else "") + f", {no} are not.")
+            + (f", {some} in some packings only" if some else "") + f", {no} are not."
+            + (f" Of {len(inputs)} checks of the input {sum(inputs)} hold." if inputs else ""))
 
 
 def reflowed(text, width=100):

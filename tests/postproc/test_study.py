@@ -52,6 +52,9 @@ def test_a_target_counts_the_packings_that_reproduce_it():
                     Target("b", "main", "", 1.0, "", 1, 0.1),
                     Target("c", "main", "", 2.0, "", 1, 0.1)]) == (
         "Of 3 targets 1 are reproduced, 1 in some packings only, 1 are not.")
+    inputs = [Target(name, "input", "", ours, "", 1, 0.1) for name, ours in (("d", 1), ("e", 2))]
+    assert counted([*inputs, Target("a", "main", "", 1.0, "", 1, 0.1)]) == (
+        "Of 1 targets 1 are reproduced, 0 are not. Of 2 checks of the input 1 hold.")
     assert "| 10 (9 to 11) kPa | 0.0 % | yes |" in targets_table(
         [Target("stress", "main", "10 kPa", 10.0, "kPa", 10, 0.15, each=(9, 11))])
 
