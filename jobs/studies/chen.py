@@ -5,8 +5,8 @@ chen_runs.py, the targets in chen_targets.py, the document in chen_document.py.
 import numpy as np
 
 from . import chen_runs, chen_targets
-from .chen_runs import (AREA, CARRIAGE, CELL, COMPONENTS, DECK, DEPTHS, DRAWN, EDGE, GAP, HEIGHT,
-                        LEAD, MIDDLE, SINE, SUB_BALLAST, TOTAL)
+from .chen_runs import (AREA, AROUND, CARRIAGE, CELL, COMPONENTS, DECK, DEPTHS, DRAWN, EDGE,
+                        GAP, HEIGHT, LEAD, MIDDLE, SINE, SUB_BALLAST, TOTAL)
 from .study import summary
 
 from trackbed_post import measures, read  # noqa: I001 (found by .study)
@@ -94,6 +94,7 @@ def measure_passage(name, found, numbers, lines):
     for k, value in enumerate(found.down[-1]):
         numbers.put(name, f"settlement, sleeper {k + 1}", value, "mm")
     middle = found.sleepers[MIDDLE]
+    # "carriage k": between its bogies, after 2 k - 1 bogies of the train.
     for k, down in enumerate(found.at(found.unloaded(middle), found.down)):
         numbers.put(name, f"settlement, sleeper 3, carriage {k + 1}", down[MIDDLE], "mm")
     if name in DRAWN:
@@ -189,10 +190,12 @@ def antisymmetric(found, fields):
 
 
 def measure_rotation(name, found, numbers, lines):
-    """Rotation of the principal stress, degrees, while the last bogie passes sleeper 3."""
+    """Rotation of the principal stress, degrees, while the last bogie passes sleeper 3 and the
+    deviator exceeds a fifth of its largest value."""
     middle = found.sleepers[MIDDLE]
     begin, end = (found.when(middle, axle) for axle in
-                  (found.load["axles"][-2] - LEAD, found.load["axles"][-1] + LEAD))
+                  (found.load["axles"][-2] - AROUND, found.load["axles"][-1] + AROUND))
+    numbers.put(name, "rotation, length before and behind the bogie", AROUND, "m")
     rows = (found.time >= begin) & (found.time <= end)
     for depth in DEPTHS:
         for title, x in (("centre", middle), ("left edge", middle - EDGE),
@@ -218,15 +221,15 @@ def measure_path(name, found, numbers, lines):
                                    for of in ("vertical", "horizontal", "shear"))
     deviator, shear = vertical - horizontal, shear - shear[0]
     deviator = deviator - deviator[0]
-    top = int(np.argmax(deviator))
     time = found.time[rows] - found.time[rows][0]
     lines.put("sine, time", "vertical - horizontal", time, deviator)
     lines.put("sine, time", "shear", time, shear)
     lines.put("sine, path", "below sleeper 3", deviator, 2 * shear)
-    numbers.put(name, "largest deviator", deviator[top], "kPa")
-    numbers.put(name, "shear then", shear[top], "kPa")
-    for title, part in (("before", shear[:top]), ("after", shear[top:])):
-        numbers.put(name, f"largest shear {title}", part[np.argmax(np.abs(part))], "kPa")
+    path = chen_targets.path_of(lines)
+    for title, value in (("largest deviator", path.deviator), ("shear then", path.then),
+                         ("largest shear before", path.before),
+                         ("largest shear after", path.after)):
+        numbers.put(name, title, value, "kPa")
 
 
 def measure_stones(name, found, numbers):
@@ -236,6 +239,11 @@ def measure_stones(name, found, numbers):
     counts = found.at(wheels, found.cells["stones"])
     speed = found.at(wheels, found.cells["speed"])
     numbers.put(name, "mean speed", 1e3 * (speed * counts).sum() / counts.sum(), "mm/s")
+    above = found.z > SUB_BALLAST
+    stones, speed = counts[:, above], speed[:, above]
+    numbers.put(name, "mean speed of ballast", 1e3 * (speed * stones).sum() / stones.sum(), "mm/s")
+    numbers.put(name, "stones of ballast", stones.sum() / len(wheels), "-")
+    numbers.put(name, "spheres of sub-ballast", (counts.sum() - stones.sum()) / len(wheels), "-")
     moments = found.when(found.sleepers[::2], 0)
     contacts = found.at(moments, found.cells["contacts"])
     force = found.at(moments, found.cells["contact_force"])

@@ -34,7 +34,8 @@ TOTAL, SUB_BALLAST = 0.45, DECK["bed"]["layer"][0]["height"]  # m, below sleeper
 DEPTHS = (0.10, 0.23, 0.35)  # m, below the sleepers
 CELL = np.ptp(DECK["region"][0]["x"]) / DECK["region"][0]["cells"][0]  # m, along the track
 EDGE = DECK["sleepers"]["width"] / 2  # m
-LEAD = 1.0  # m, before and behind a bogie
+LEAD = 1.0  # m, before and behind an axle or a bogie that is near
+AROUND = 2.5  # m, before and behind a bogie, where the seat load has fallen to almost 0
 COMPONENTS = {"vertical": 2, "horizontal": 0, "shear": 4}
 
 
@@ -50,6 +51,11 @@ def name_of(tonnes, kmh, packing):
 
 
 DRAWN = tuple(name_of(*case, 1) for case in EXTREMES)  # runs whose histories are drawn
+
+
+def seat_share(distance):
+    """Seat load at a distance from an axle, m, relative to its peak."""
+    return DECK["load"]["ratio"]**(distance / DECK["sleepers"]["spacing"])**2
 
 
 def bed(form, packing):

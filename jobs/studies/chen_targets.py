@@ -22,6 +22,29 @@ def growth(numbers, quantity, light=17, heavy=25):
     return 100 * (of(numbers, heavy, quantity) / of(numbers, light, quantity) - 1)
 
 
+@dataclasses.dataclass(frozen=True)
+class Path:
+    """Changes of stress, kPa: the largest deviator; the shear then, and the largest strictly before
+    and after it; the largest rise of the deviator in one row, and its time, s."""
+    deviator: float
+    then: float
+    before: float
+    after: float
+    jump: float
+    time: float
+
+
+def path_of(lines):
+    """Stress path below sleeper 3 under the last haversine."""
+    histories = lines.of("sine, time")
+    time, deviator = map(np.array, histories["vertical - horizontal"])
+    shear = np.array(histories["shear"][1])
+    top, rises = int(np.argmax(deviator)), np.diff(deviator)
+    before, after = (part[np.argmax(np.abs(part))] for part in (shear[:top], shear[top + 1:]))
+    return Path(deviator[top], shear[top], before, after, rises.max(),
+                time[int(np.argmax(rises)) + 1])
+
+
 def targets(numbers):
     found = [*targets_of_load(numbers), *targets_of_settlement(numbers),
              *targets_of_breakage(numbers), *targets_of_stress(numbers)]

@@ -342,6 +342,40 @@ def test_antisymmetric_part_of_shear(shear, part):
     assert chen.antisymmetric(found, fields) == pytest.approx(part)
 
 
+def test_the_shear_after_the_largest_deviator_is_strictly_later():
+    lines = Lines()
+    time = 0.1 * np.arange(6)
+    lines.put("sine, time", "vertical - horizontal", time, [0, 1, 30, 40, 20, 0])
+    lines.put("sine, time", "shear", time, [0, 5, -12, 9, -7, 1])
+    assert chen_targets.path_of(lines) == chen_targets.Path(40, 9, -12, -7, 29, 0.2)
+
+
+def test_stones_of_ballast_are_those_above_the_sub_ballast():
+    found = LinearSlice(np.sin)
+    layers = np.ones((301, 12, 30)) * (found.z < chen.SUB_BALLAST)[:, None]
+    found.cells = {"stones": 1 + 9 * layers, "speed": 0.002 - 0.001 * layers,
+                   "contacts": layers, "contact_force": layers}
+    numbers = Numbers({})
+    chen.measure_stones("run", found, numbers)
+    assert numbers("run", "mean speed of ballast") == pytest.approx(2)
+    assert numbers("run", "mean speed") == pytest.approx(4 / 3, rel=1e-5)
+    assert numbers("run", "stones of ballast") == 300
+    assert numbers("run", "spheres of sub-ballast") == 600
+
+
+def test_the_rotation_is_measured_while_the_whole_bogie_passes():
+    found = LinearSlice(np.sin)
+    found.time = np.linspace(0, 3, 301)
+    found.stress[..., 4] = 100 * found.time[:, None, None]
+    found.stress[..., 2] = 200.0
+    numbers, lines = Numbers({}), Lines()
+    chen.measure_rotation("run", found, numbers, lines)
+    begin, end = ((1.5 + axle + 2.5) / 10 for axle in (17.5 - chen.AROUND, 20 + chen.AROUND))
+    angles = np.degrees(np.arctan([begin, end])) / 2
+    assert numbers("run", "rotation, centre, 0.1 m") == pytest.approx(np.ptp(angles), rel=0.02)
+    assert numbers("run", "rotation, length before and behind the bogie") == 2.5
+
+
 def test_growth_compares_loads_packing_by_packing():
     numbers = Numbers({})
     for packing, light, heavy in ((1, 100, 150), (2, 200, 500)):
