@@ -1,10 +1,14 @@
-"""Document of the study chen, from its numbers and lines alone; figures: chen_figures.py."""
+"""Document of the study chen, from its numbers and lines alone; its parts on stresses are in
+chen_stress_document.py, its figures in chen_figures.py."""
 import numpy as np
 
 from . import chen_figures
-from .chen_runs import (CYCLES, DECK, DEPTHS, EXTREMES, LIGHT, LOADS, MIDDLE, PACKINGS, RIG, SINE,
-                        SINE_SPEED, SINE_STRESS, SLEEPERS, SPEEDS, TOTAL, name_of)
-from .chen_targets import AS_LARGE, faster, growth, has_series, of
+from .chen_runs import (AREA, CARRIAGES, DECK, DRAWN, EDGE, EXTREMES, GRAVITY, HEIGHT, LEAD, LIGHT,
+                        LOADS, PACKINGS, SLEEPERS, SPEEDS, name_of, seat_share)
+from .chen_stress_document import (SEATS, SPACING, listed, part_path, part_pressure, part_rotation,
+                                   part_stress, span)
+from .chen_targets import (AS_LARGE, FASTER, SETTLED, VELOCITY, faster, growth, growths_of_mean,
+                           has_series, moving, of, rotation_ratio, speed_of_stones, stored)
 from .study import heading, percent, table
 
 figures = chen_figures.figures
@@ -12,8 +16,11 @@ TITLE = "chen: five sleepers on ballast that breaks, under carriages that pass"
 SOURCE = """The study *DEM study on the dynamic responses of a ballasted track under moving
 loading* loads a slice of track, 3 m long and 0.3 m wide, with five carriages. Seat loads act on
 five sleepers one after the other; corners of the clumps break off."""
-CRITERION = f"""A hard target is reproduced within 1 % (a frequency within 3 %), another number
-within {100 * AS_LARGE:.0f} %, a word if it holds in each packing."""
+CRITERION = f"""A number is reproduced within {100 * AS_LARGE:.0f} %. A qualitative statement counts
+if it holds in every packing; its limit is ours and is given in the row. Inputs check that the load
+is the prescribed one: pressures and delays within 1 %, frequencies within 3 %. The last column
+names the section that discusses a target that is not reproduced."""
+BOGIES, PUBLISHED_BOGIES = 2 * CARRIAGES, len(DECK["load"]["axles"]) // 2
 
 
 def full(n):
@@ -24,52 +31,54 @@ def packings(n):
     return len(of(n, 25, "corners broken"))
 
 
-def span(values, form=".1f"):
-    """Mean (least to most)."""
-    values = np.ravel(values)
-    text = f"{np.mean(values):{form}}"
-    return text if len(values) == 1 else (f"{text} ({np.min(values):{form}} to "
-                                          f"{np.max(values):{form}})")
+def all_of(n, quantity):
+    """The quantity in all packings under 17 and 25 t."""
+    return np.concatenate([of(n, tonnes, quantity) for tonnes, _ in EXTREMES])
+
+
+def extreme(n, quantity, choose):
+    """Of all runs."""
+    return choose(value for (_, of_run), (value, _) in n.rows.items() if of_run == quantity)
 
 
 def document(n):
-    parts = [part_setup(n), part_settlement(n), part_breakage(n), part_stress(n)]
+    parts = [part_setup(n), part_settlement(n), part_breakage(n), part_stress(n), part_rotation(n),
+             part_pressure(n)]
     if has_series(n):
-        parts += [part_speed(n), part_path(n), part_servo(n)]
+        parts += [part_speed(n), part_path(n), part_mass(n)]
     return "".join((*parts, part_missing(n)))
 
 
 def summary(n):
-    first = np.concatenate([of(n, t, "corners broken by the first bogie")
-                            / of(n, t, "corners broken") for t, _ in EXTREMES])
+    first = all_of(n, "corners broken by the first bogie") / all_of(n, "corners broken")
     base = of(n, 25, "sub-ballast on the base") / of(n, 25, "ballast on sub-ballast") - 1
     return f"""
-- As published: loads, their delay and the frequency of the M-shaped stress; more fragments under
-  the heavier axles, most of them below sleepers; more settlement of the outer sleepers, where the
-  periodic slice begins and ends.
+- As published: more fragments under the heavier axles, most of them below sleepers; more settlement
+  and more fragments below sleepers 1 and 5, probably because the load is not periodic (not tested).
 - Weaker than published: from 17 to 25 t fragments increase by
   {span(growth(n, "corners broken"), ".0f")} % (published 267) and the settlement of sleeper 3 by
   {span(growth(n, "settlement, sleeper 3"), ".0f")} % (published 137). The first bogie alone breaks
   {span(100 * first, ".0f")} % of the fragments.
 - Not as published: the sub-ballast does not reduce the pressure (mean over the base
-  {percent(base.mean())}, published -68 to -77 %). That would contradict the equilibrium of vertical
-  forces. The principal stress rotates more at the edges of sleeper 3 than below its middle in one
-  packing, but not in all. See "Stress".
+  {percent(base.mean())}, published -68 to -77 %). A reduction would contradict the equilibrium of
+  vertical forces, see "Sub-ballast". The principal stress does not rotate clearly more at the edges
+  of sleeper 3 than below its middle (ratio {span(rotation_ratio(n), ".2f")}), see "Rotation".
 {speeds_in_short(n) if has_series(n) else ""}"""
 
 
 def speeds_in_short(n):
-    settled = [n(name_of(tonnes, kmh, PACKINGS[0]), "settlement, sleeper 3")
-               for tonnes in (17, 20, 25) for kmh in (60, 90, 120, 150)]
-    packings = np.ptp(of(n, 25, "settlement, sleeper 3"))
-    return f"""- From 60 to 150 km/h (one packing) fragments increase by
+    down = [n(name_of(tonnes, kmh, PACKINGS[0]), "settlement, sleeper 3")
+            for tonnes in LOADS for kmh in SPEEDS]
+    differ = np.ptp(of(n, 25, "settlement, sleeper 3"))
+    return f"""- From 60 to 150 km/h (packing {PACKINGS[0]}) fragments increase by
   {faster(n, 20, "corners broken"):.0f} % under 20 t (published 63), the mean speed of stones by
-  {faster(n, 25, "mean speed"):.0f} % under 25 t (published 102). Settlements of sleeper 3 differ by
-  {np.ptp(settled):.1f} mm over all loads and speeds, but by {packings:.1f} mm between packings
-  under 25 t.
+  {faster(n, 25, speed_of_stones(n)):.0f} % under 25 t (published 102).
+- In one packing sleeper 3 settles {min(down):.1f} to {max(down):.1f} mm over all loads and speeds;
+  between packings it differs by {differ:.1f} mm at 25 t. One packing therefore cannot show the
+  effect of speed.
 - In the study's stress path of a single load, the shear below sleeper 3 changes its sign. Here it
   does not.
-- Sleepers of a tenth of the mass, in place of a servo, change the settlement of sleeper 3 by
+- Sleepers of a tenth of the mass change the settlement of sleeper 3 by
   {off_by_mass(n, "settlement, sleeper 3"):.1f} % and the fragments by
   {off_by_mass(n, "corners broken"):.1f} %.
 """
@@ -80,32 +89,56 @@ def off_by_mass(n, quantity):
 
 
 def part_setup(n):
+    return heading("Set-up") + f"""
+The slice is `inputs/chen/slice.toml`. Given by the study (Tables 1 and 2, sections 2.1 to 2.3):
+sizes, stiffness and friction of ballast, sub-ballast and walls, density of particles, local
+damping, the strength of corners, periodic ends along the track, rigid sides; impact factor, load of
+a seat, its effective length and safety factor; the distances of axles; a load that passes from
+sleeper to sleeper with a delay and that falls to a quarter between the axles of a bogie.
+
+{choices(n)}
+Each packing is one bed; all of its trains begin from the same state.
+"""
+
+
+def choices(n):
+    """What the study does not give or what differs from it."""
     sizes = ("20 instead of 10 mm, which has an eighth of the spheres" if full(n) else
              "30 instead of 10 mm")
     smallest = ("No stones below 26.5 mm, 10 % of the mass of AS 2758.7" if full(n) else
                 "No stones below 37.5 mm, as this is the short form: compare signs and orders only")
-    return heading("Set-up") + f"""
-The slice is `inputs/chen/slice.toml`. Given by the study (Tables 1 and 2, sections 2.1 to 2.3):
-sizes, contacts, densities, local damping, the strength of corners, periodic ends along the track,
-rigid sides; impact factor, load of a seat, its effective length and safety factor; the distances of
-axles; a load that passes from sleeper to sleeper with a delay and that falls to a quarter between
-the axles of a bogie.
+    fragments = [extreme(n, f"{which} fragment", choose)
+                 for which, choose in (("smallest", min), ("largest", max))]
+    contacts, materials, stage = DECK["contact"], DECK["material"], DECK["stage"]
+    section, sleepers = DECK["region"][0], DECK["sleepers"]
+    cell = [np.ptp(section[axis]) / cells for axis, cells in zip("xyz", section["cells"])]
+    cribs = next(one["profile"] for one in stage if one["name"] == "sleepers")
+    return f"""Ours:
 
-Ours:
-
-- Two carriages instead of five: the study finds settlements "almost constant" after two.
+- {"Two" if CARRIAGES == 2 else CARRIAGES} carriages instead of five, {BOGIES} bogies instead of
+  {PUBLISHED_BOGIES}: the study finds settlements "almost constant" after two carriages.
+- Shape of the pulse: at a distance s from an axle the load is
+  {DECK["load"]["ratio"]:.3f}^((s/s_0)^2) of its peak, s_0 = {SPACING:g} m, which gives the quarter
+  between axles. So the next two sleepers
+  carry {100 * seat_share(SPACING):.0f} and {100 * seat_share(2 * SPACING):.0f} % of the peak; by
+  the study's distribution of a wheel load (40, 20 and 10 %) they carry 50 and 25 %.
 - Sub-ballast of {sizes}.
 - Shapes of clumps: twelve shapes of 16 to 22 spheres. How many spheres of the study's clumps are
   corners is not known, and the number of fragments depends on it.
 - {smallest}.
-- Corners become fines, which leave the model with their mass: a fragment of the study's kind is
-  0.005 to 0.016 m large here and would shorten the time step.
-- Sleepers are bodies with a weight that move vertically under the load; those of the study are
-  walls that a servo moves until the pressure is reached.
+- Broken corners are removed with their mass. Keeping them as spheres of {fragments[0]:.0f} to
+  {fragments[1]:.0f} mm, as in the study, would shorten the time step.
+- Sleepers are bodies that move vertically under the load, with a density of
+  {materials[2]["density"]:.0f} kg/m3 and {sleepers["length"]:g} m long, clear of the walls; those
+  of the study are walls that a servo moves until the pressure is reached.
+- Friction at sleepers is {contacts[3]["friction"]:g} (ballast) and {contacts[6]["friction"]:g}
+  (sub-ballast); contacts of ballast with sub-ballast have the stiffness
+  ({1e-6 * contacts[1]["k_n"]:g} kN/mm) and friction ({contacts[1]["friction"]:g}) of sub-ballast.
+- Cribs are filled {cribs - HEIGHT:.2f} m above the base of the sleepers.
+- Stresses are those of cells of {cell[0]:.2g} x {cell[1]:.2g} x {cell[2]:.2g} m, which take the
+  whole width, instead of measuring spheres in a section of 0.1 m.
 - Preparation: stones are poured with a friction of 0.1, compacted by 200 kPa, and sleepers are set
   on the bed under 2 kN each.
-
-Each packing is one bed; all of its trains begin from the same state.
 """
 
 
@@ -117,24 +150,49 @@ def part_settlement(n):
             if n.has(name):
                 rows.append((f"{tonnes} t, packing {packing}", *(
                     f"{n(name, f'settlement, sleeper {k}'):.1f}" for k in SLEEPERS)))
-    late = [100 * (1 - n(name, "settlement, sleeper 3, carriage 1")
-                   / n(name, "settlement, sleeper 3, carriage 2"))
-            for t, v in EXTREMES for p in PACKINGS if n.has(name := name_of(t, v, p))]
     differ = max(np.ptp(of(n, t, f"settlement, sleeper {k}")) for t, _ in EXTREMES
                  for k in SLEEPERS)
+    means = {t: np.mean([of(n, t, f"settlement, sleeper {k}") for k in SLEEPERS], axis=0)
+             for t, _ in EXTREMES}
     return heading("Settlement") + f"""
 ![Settlement of the five sleepers](settlement.png)
 
 Settlement at the end of the passage at 120 km/h, mm:
 
 {table(("", *(f"sleeper {k}" for k in SLEEPERS)), rows)}
-The second carriage adds {span(late, ".0f")} % of what sleeper 3 has settled by then. The order of
-magnitude is that of the study. The same sleeper
-differs between packings by up to {differ:.1f} mm under the same load; means over sleepers and
-packings are
-{span(np.mean([of(n, 17, f"settlement, sleeper {k}") for k in SLEEPERS], axis=0))} mm under 17 t and
-{span(np.mean([of(n, 25, f"settlement, sleeper {k}") for k in SLEEPERS], axis=0))} mm under 25 t.
+The same sleeper differs between packings by up to {differ:.1f} mm under the same load; means over
+sleepers and packings are {span(means[17])} mm under 17 t and {span(means[25])} mm under 25 t.
+
+{bogie_words(n)}
+
+{outer_words()}
 """
+
+
+def bogie_words(n):
+    end = {t: of(n, t, "settlement, sleeper 3") for t, _ in EXTREMES}
+    first, third = (np.concatenate([100 * of(n, t, f"settlement, sleeper 3, carriage {k}") / end[t]
+                                    for t, _ in EXTREMES]) for k in (1, 2))
+    last = {t: 100 * (1 - of(n, t, "settlement, sleeper 3, carriage 2") / end[t])
+            for t, _ in EXTREMES}
+    off = {t: percent(end[t].mean() / SETTLED[t] - 1) for t, _ in EXTREMES}
+    return f"""Sleeper 3 has reached {span(first, ".0f")} % of its final settlement after the first
+bogie and {span(third, ".0f")} % after the third one. The last of the {BOGIES} bogies still adds
+{span(100 - third, ".0f")} % of it, so that sleeper 3 still settles at the end of two carriages. The
+published values are those after {PUBLISHED_BOGIES} bogies, ours those after {BOGIES}. Ours differ
+by {off[17]} under 17 t and by {off[25]} under 25 t, so that the growth with the load is too small.
+The last bogie adds about as much under 17 t ({last[17].mean():.0f} %) as under 25 t
+({last[25].mean():.0f} %): more bogies of this kind would hardly change the growth. Other causes
+were not examined."""
+
+
+def outer_words():
+    gap = DECK["bed"]["x"][1] - SEATS[-1] + SEATS[0] - DECK["bed"]["x"][0]
+    return f"""The study explains the larger settlement of sleepers 1 and 5 by less confinement at
+the periodic ends. Here the distance of sleeper 5 to the next sleeper beyond the periodic end is
+{gap:.1f} m like all others, so that only the load can distinguish the outer sleepers in all
+packings. The load is not periodic, as no wheel passes from sleeper 5 to the next sleeper. This is
+the probable cause; it was not tested."""
 
 
 def part_breakage(n):
@@ -150,66 +208,54 @@ def part_breakage(n):
         factor = 1e3 if quantity == "BBI" else 1
         rows.append((title, *(span(factor * of(n, tonnes, quantity), form)
                               for tonnes, _ in EXTREMES)))
-    law = 100 * ((25 / 17)**DECK["breakage"]["weibull"] - 1)
     count = packings(n)
     over = f"Over {count} packings, mean (least to most)" if count > 1 else "One packing"
     return heading("Breakage") + f"""
 ![Where corners break off, side view, and when](breaks.png)
 
-{over}:
+{over}; the first bogie counts until its second axle is {LEAD:g} m behind sleeper 5:
 
 {table(("", "17 t", "25 t"), rows)}
-If all forces grew with the load and few corners broke, Weibull's law with the study's modulus would
-give a growth of {law:+.0f} %, close to the published +267 %. Why it is less here was not examined.
-It may be that corners break while the sleepers settle under the first bogie on the few stones that
-carry them, whatever the load; what the study did before its first carriage is not stated.
+{growth_words(n)}
 
-The study sees more fragments below the edges of sleepers than below their middle, by eye. Here it
-is about as many.
+{edge_words(n)}
 """
 
 
-def part_stress(n):
-    rows = [(f"{title} at z/h {depth / TOTAL:.3f}, kPa",
-             *(span(of(n, tonnes, f"{title} at {depth} m"), ".0f") for tonnes, _ in EXTREMES))
-            for title in ("vertical", "horizontal") for depth in DEPTHS]
-    rows += [(title, *(span(of(n, tonnes, quantity), ".0f") for tonnes, _ in EXTREMES))
-             for title, quantity in (("ballast on sub-ballast, mean over the base, kPa",
-                                      "ballast on sub-ballast"),
-                                     ("sub-ballast on the base, kPa", "sub-ballast on the base"))]
-    rotation = [(f"{title}, {depth} m", *(span(of(n, 25, f"{quantity}, {place}, {depth} m"), ".0f")
-                                          for place in ("left edge", "centre", "right edge")))
-                for title, quantity in (("angle", "angle"), ("its range", "rotation"))
-                for depth in DEPTHS]
-    even = 100 * (1 - np.mean(of(n, 25, "sub-ballast on the base"))
-                  / np.mean(of(n, 25, f"vertical at {DEPTHS[0]} m")))
-    return heading("Stress") + f"""
-![Stresses below sleeper 3 over time, and stress paths](stress.png)
+def growth_words(n):
+    modulus = DECK["breakage"]["weibull"]
+    first = {t: of(n, t, "corners broken by the first bogie") for t, _ in EXTREMES}
+    later = {t: of(n, t, "corners broken") - first[t] for t, _ in EXTREMES}
+    more = 100 * (later[25] / later[17] - 1)
+    return f"""If every contact force were proportional to the axle load and few corners had broken
+before, Weibull's law (m = {modulus:g}) would give (25/17)^m - 1 =
+{100 * ((25 / 17)**modulus - 1):+.0f} %, close to the published +267 %. Here fragments of the first
+bogie increase by {span(100 * (first[25] / first[17] - 1), ".0f")} % with the load, those of all
+later bogies by {listed(more)} % in the packings, together by
+{100 * (later[25].sum() / later[17].sum() - 1):.0f} %. So breakage depends on the load from the
+first bogie on, and the first bogie alone does not explain the small growth. Its cause was not
+examined."""
 
-Stresses below the middle of sleeper 3 while the front wheel of a bogie is above it, mean over four
-bogies, weight included:
 
-{table(("", "17 t", "25 t"), rows)}
-The forces between ballast and sub-ballast carry the same load as those between sub-ballast and
-base: their vertical sums differ by the weight of the sub-ballast, by inertia and by friction at the
-sides, which is {DECK["contact"][5]["friction"]:g} here and in the study. A layer can spread the
-pressure, but cannot reduce its mean over the base of a periodic slice. So no sign is
-required of this target. What the study counted is not stated.
+def edge_words(n):
+    part = all_of(n, "corners broken nearer to edges") / all_of(n, "corners broken below sleepers")
+    near, middle = np.transpose([beside_edges(n.lines, run) for run in DRAWN])
+    return f"""The study sees more fragments below the edges of sleepers than below their middle, by
+eye. Here slightly fewer of those below sleepers are nearer to an edge ({min(part):.2f} to
+{max(part):.2f} of them). This does not count fragments just outside an edge. In packing
+{PACKINGS[0]}, whose places are stored in lines.csv, {listed(near)} corners (17 and 25 t) break off
+within {100 * BESIDE:.0f} cm of an edge, inside or outside, and {listed(middle)} within
+{200 * BESIDE:.0f} cm of a middle, which is the same length of track. Why was not examined."""
 
-The vertical stress falls less with depth than the published 65 %. A fall by {even:.0f} % would mean
-that the stress at z/h 0.778 is the mean over the whole slice: the neighbouring
-sleepers, with {100 * DECK["load"]["ratio"]:.0f} % of its load at the same time, leave little space
-to spread to.
 
-Rotation of the principal stress below sleeper 3 (the study's angle psi) by the last bogie, degrees,
-25 t: the angle while the deviator is largest, and its range while the deviator exceeds a fifth of
-its largest value. As in the study, the stress is inclined at the edges, to both sides, and hardly
-below the middle. But its range is not clearly larger there, while in the study the angle below the
-middle keeps "almost unchanged". The ratio of both differs from packing to packing, so that no
-sign is required of
-this target.
+BESIDE = 0.05  # m, on both sides of an edge
 
-{table(("depth below the sleeper", "left edge", "middle", "right edge"), rotation)}"""
+
+def beside_edges(lines, run):
+    """Numbers of corners that break off within BESIDE of both edges, and within 2 BESIDE of the
+    middle of a sleeper."""
+    off = np.abs(np.array(lines.of("breaks")[run][0])[:, None] - SEATS)
+    return (np.abs(off - EDGE) <= BESIDE).sum(), (off <= 2 * BESIDE).sum()
 
 
 def part_speed(n):
@@ -217,44 +263,77 @@ def part_speed(n):
         rows = [(f"{tonnes} t", *(f"{n(name_of(tonnes, kmh, PACKINGS[0]), quantity):{form}}"
                                   for kmh in SPEEDS)) for tonnes in LOADS]
         return table(("", *(f"{kmh} km/h" for kmh in SPEEDS)), rows)
-    pressure = faster(n, 25, "ballast on sub-ballast")
     return heading("Loads and speeds") + f"""
 ![Settlement, fragments, pressure and speed of stones over the speed](speeds.png)
 
-Packing {PACKINGS[0]} only. Settlement of sleeper 3, mm:
+Packing {PACKINGS[0]} only. The study does not state the axle load of its speeds. That it is 20 t is
+inferred from its settlements: those at 60 and 150 km/h, {listed(FASTER.values(), ".2f")} mm, are
+between those at 120 km/h under 17 and 25 t, {listed(SETTLED.values(), ".2f")} mm.
+
+Settlement of sleeper 3, mm:
 
 {by_case("settlement, sleeper 3", ".1f")}
+{scatter_words(n)}
+
 Corners broken off:
 
 {by_case("corners broken", ".0f")}
 Pressure of the ballast on the sub-ballast, kPa, weight included:
 
 {by_case("ballast on sub-ballast", ".0f")}
-Mean speed of all stones while a front wheel is above sleeper 3, mm/s:
+Mean speed of {moving(n)} while a front wheel is above sleeper 3, mm/s:
 
-{by_case("mean speed", ".1f")}
-By the study's impact factor the load of a seat grows by {faster(n, 25, "largest load"):.0f} % from
-60 to 150 km/h; the pressure on the sub-ballast, weight included, grows by {pressure:.0f} %.
+{by_case(speed_of_stones(n), ".1f")}
+{stones_words(n)}
 """
 
 
-def part_path(n):
-    return heading("Single load and test rig") + f"""
-![Stress path below sleeper 3 under a haversine that passes](path.png)
-
-{CYCLES} haversines of {1e-3 * SINE_STRESS:.0f} kPa and {SINE} Hz act on one sleeper after the
-other at {3.6 * SINE_SPEED:.0f} km/h. In the last of them the change of shear {DEPTHS[0]:g} m below
-sleeper {MIDDLE + 1} is {n("haversine", "largest shear before"):.0f} kPa before the largest deviator
-({n("haversine", "largest deviator"):.0f} kPa), {n("haversine", "shear then"):.0f} kPa at that
-moment and {n("haversine", "largest shear after"):.0f} kPa behind it.
-
-The test rig's measurements (17 t, 300 km/h) are published as figures and not compared. The stress
-below sleeper 3 has the M with {n(name_of(*RIG, PACKINGS[0]), "frequency of the M"):.1f} Hz
-(v/2.5 m: {RIG[1] / 3.6 / 2.5:.1f} Hz).
-"""
+def scatter_words(n):
+    down = [faster(n, tonnes, "settlement, sleeper 3") for tonnes in LOADS]
+    load, speed = growths_of_mean(n)
+    ratio = growth(n, "settlement, sleeper 3") / faster(n, 20, "settlement, sleeper 3")
+    return f"""From 60 to 150 km/h it changes by {listed(down, "+.1f")} % under
+{listed(LOADS)} t. The growth of {down[1]:.0f} % therefore rests on one sleeper in one packing. From
+17 to 25 t the settlement grows {listed(ratio, ".2f")} times as much in packings
+{listed(PACKINGS[:len(ratio)])}, so that the target "growth with the load over that with the speed"
+depends on the packing. The mean of five sleepers grows by {load:.0f} % from 17 to 25 t (mean over
+all speeds) and by {speed:.0f} % from 60 to 150 km/h (mean over all loads). Other packings were not
+run at other speeds, so that the published growth of
+{100 * (FASTER[150] / FASTER[60] - 1):.0f} % is neither confirmed nor refuted."""
 
 
-def part_servo(n):
+def stones_words(n):
+    quantity = speed_of_stones(n)
+    by_load, by_speed = growth(n, quantity), faster(n, 25, quantity)
+    load = faster(n, 25, "largest load")
+    quasi_static = 100 * (150 / 60 * (1 + load / 100) - 1)
+    return f"""{averaged_words(n)}
+
+From 60 to 150 km/h the load of a seat grows by {load:.0f} %. If each stone moved by a distance
+proportional to it, in a time inversely proportional to the speed of the train, its mean speed would
+grow by {quasi_static:.0f} %; it grows by {by_speed:.0f} %, in the study by
+{100 * (VELOCITY[150] / VELOCITY[60] - 1):.0f} %. From 17 to 25 t it grows by {listed(by_load)} % in
+packings {listed(PACKINGS[:packings(n)])}, about as much as the load
+({np.mean(growth(n, "largest load")):.0f} %), while the study finds little variation. Why
+the study's speeds grow less was not examined."""
+
+
+def averaged_words(n):
+    if stored(n, "stones of ballast"):
+        return f"""It is the mean of {span(of(n, 25, "stones of ballast"), ".0f")} stones above the
+sub-ballast, by number."""
+    layer = DECK["bed"]["layer"][0]
+    volume = np.ptp(DECK["bed"]["x"]) * np.ptp(DECK["bed"]["y"]) * layer["height"]
+    size = 1e-3 * np.mean(layer["sieve"])  # m
+    spheres = volume * (1 - layer["porosity"]) / (np.pi / 6 * size**3)
+    number = f" (about {round(spheres, -2):.0f} by their porosity)" if full(n) else ""
+    return f"""It is a mean by number that includes the spheres of the sub-ballast{number}, while
+the study averages ballast; the values are therefore not directly comparable. Numbers of stones were
+not stored. `jobs/studies/chen.py` now measures stones above the sub-ballast; that needs new
+runs."""
+
+
+def part_mass(n):
     rows = []
     for title, quantity, form in (("settlement of sleeper 3, mm", "settlement, sleeper 3", ".2f"),
                                   ("corners broken off", "corners broken", ".0f"),
@@ -265,18 +344,32 @@ def part_servo(n):
     size = DECK["sleepers"]
     mass = (size["width"] * size["height"] * size["length"] *
             DECK["material"][2]["density"])  # kg
-    return heading("Pressure kept by a servo") + f"""
+    return heading("Effect of the sleepers' mass") + f"""
 The study's sleepers are walls that a servo moves until the pressure below them is the prescribed
-one. Ours are bodies under the same load, whose inertia is the difference. With a tenth of their
-mass (25 t, 120 km/h, packing {PACKINGS[0]}):
+one; no servo was run here. Our sleepers carry the same load but have mass: they differ by their
+inertia and by their weight ({1e-3 * mass * GRAVITY / AREA:.1f} kPa). With a tenth of the mass (25
+t, 120 km/h, packing {PACKINGS[0]}):
 
 {table(("", f"sleepers of {mass:.0f} kg", f"of {mass / 10:.1f} kg"), rows)}"""
 
 
 def part_missing(n):
-    rest = "" if has_series(n) else """Other loads and speeds, the stress path of a single load,
-the speed of the test rig, a pressure kept by a servo. """
-    return heading("Not done") + f"""
-{rest}Five carriages; more packings of the loads and speeds; sub-ballast of 10 mm; fragments instead
-of fines; a half section with a shoulder; polyhedra instead of clumps.
+    rest = "" if has_series(n) else """- Other loads and speeds, the stress path of a single load,
+  the speed of the test rig, lighter sleepers.
+"""
+    return heading("Not repeated") + f"""
+Results of the study:
+
+- Settlement that is almost constant after two of five carriages.
+- Components of the speed of stones, of which the vertical one is largest, and speeds in the cribs.
+- Stress and velocity measured on the test rig, which are published as figures.
+- The trapezoidal region of fragments and of large contact forces, and fields of stress: figures.
+- All other values that are published in figures only.
+
+Variants that were not run:
+
+{rest}- Five carriages; more packings of the loads and speeds.
+- Another shape of the pulse; a periodic load; sleepers moved by a servo.
+- Sub-ballast of 10 mm; fragments instead of fines; polyhedra instead of clumps.
+- A half section with a shoulder.
 """
