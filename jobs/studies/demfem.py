@@ -1,5 +1,6 @@
-"""Runs, numbers and targets of the study demfem: convex and non-convex stones below sleepers, a
-ground whose stiffness rises along the track, cost. Its document: demfem_document.py.
+"""Files and measurements of the study demfem: convex and non-convex stones below sleepers, a ground
+whose stiffness rises along the track, cost. Its runs: demfem_model.py; targets: demfem_targets.py;
+document: demfem_document.py and demfem_figures.py.
 
 Stones are compared on a slice of the track (inputs/demfem/sleeper.toml), and on ten sleepers with a
 rail on the ground (inputs/demfem/track.toml); the ground is also loaded alone
@@ -17,60 +18,15 @@ import scipy.signal
 import launch
 
 from . import rocks
-from .study import Run, Target, as_file, deck_of, summary
+from .demfem_model import (AREA, BENCHMARK, CORNERS, FORCES, GROUND, HARD, HEIGHT, LAYER, MIDDLE,
+                           PARTS, PEAK, PERIOD, RAIL, ROCKS, SETTLED, SHAPES, SIZE, SLEEPER, SOFT,
+                           TRACK, WIDTHS, runs)
+from .demfem_targets import predicted, targets
+from .study import summary
 
 from trackbed_post import read  # noqa: I001 (found by .study)
 
-SLEEPER, GROUND, SOLIDS = "demfem/sleeper.toml", "demfem/ground.toml", "demfem/solids.toml"
-CELL, TRACK = "demfem/cell.toml", "demfem/track.toml"
-
-
-DECK, GROUND_DECK = deck_of(SLEEPER), deck_of(GROUND)
-TITLES = {"convex": "convex", "non_convex": "non-convex"}
-SHAPES = tuple(TITLES)
-ROCKS, SIZE = 6, 0.02  # their number; m, length unit of their meshes
-PARTS = {"convex": 1, "non_convex": 3}  # convex pieces of a stone
-CORNERS = 12  # of a piece: 20 triangles
-PACKINGS = (1, 2, 3, 4, 5)  # seeds
-BARRED = (1, 2, 3)  # those with contacts as stiff as bars
-TRACKS = (1, 2)  # those of the ten sleepers
-STAGES = {stage["name"]: stage for stage in DECK["stage"]}
-CYCLES = STAGES["cycles"]
-PERIOD = CYCLES["duration"] / CYCLES["cycles"]  # s
-AREA = DECK["sleepers"]["width"] * DECK["sleepers"]["length"]  # m2, of a sleeper
-HEIGHT = STAGES["sleepers"]["height"]  # m, of the bed below the sleepers when they are placed
-STONES = DECK["material"][0]["young"]  # Pa
-GRANITE = 50e9  # Pa, which the study calls realistic
-# Contacts as stiff as a bar of this modulus between the centres of two stones, whose section is the
-# square of their distance: k = modulus times distance. Less stiff along the contact, as in a bar.
-BAR = 0.04  # m, mean distance
-BARS = tuple(f"contact.{k}.{word}" for k in range(3) for word in (
-    "law=linear", f"k_n={STONES * BAR:g}", f"k_s={STONES * BAR / 2:g}", "zeta_n=0.3", "zeta_s=0.3"))
-# Contact forces at eight instants of each cycle.
-FIELDS = ("output.fields=true", f"output.fields_interval={PERIOD / 8:g}",
-          'output.fields_parts=["contacts"]')
-LAYER = (0.05, 0.2)  # m, whose contacts bound the modulus: without those of floor and sleepers
-RAIL = {"soft end": 0.9, "middle": 2.7, "stiff end": 5.1}  # m, x of a sleeper below the rail
-# Coarser stones for the short form: half of their number, and longer steps.
-COARSE = ("bed.sieve=[45,63]", "bed.passing=[0,100]")
-FORCES = np.geomspace(1e-3, 10, 25)  # kN, edges of the histogram
-WIDTHS = {"0.25 m": "young_025.csv", "1 m": "young_100.csv"}  # of the rise of the modulus
-GROUNDS = {
-    "as in the deck": (),
-    "free ends": ("ground.side_x_low=free", "ground.side_x_high=free"),
-    "elements of 0.2 m": ("ground.elements_x=30", "ground.elements_y=12", "ground.elements_z=5"),
-    **{f"rise of the modulus over {width}":
-       (f"ground.layer.subground.young_file='{{folder}}/{file}'",)
-       for width, file in WIDTHS.items()},
-}
-SOFT, HARD, MIDDLE = 80e6, 30e9, 3.0  # Pa, Pa, m
-# The study's benchmark: stones, hexahedra of the ground, steps of both in 0.5 s; minutes in total,
-# of stones, of elements and of coupling with 3.5e4 elements, most of them in rails and sleepers.
-BENCHMARK = {"stones": {"convex": 3.3e5, "non_convex": 3.4e5}, "elements": 3750,
-             "stone_step": 1e-6, "element_step": 1e-5, "duration": 0.5,
-             "minutes": {"convex": (303, 85, 122, 96), "non_convex": (495, 256, 144, 95)}}
-PEAK = 0.005  # MPa, least prominence of a peak of compression along the track
-CORES = 8  # of the study's computer, besides its graphics processor
+__all__ = ("measure", "predicted", "prepare", "runs", "targets")  # of the study
 
 
 def prepare(program, folder):
@@ -100,54 +56,6 @@ def prepare(program, folder):
         young = SOFT + (HARD - SOFT) * (1 + np.tanh((x - MIDDLE) / float(width.split()[0]))) / 2
         rows = "".join(f"{a:.1f},{b:.5g}\n" for a, b in zip(x, young))
         (folder / file).write_text("x_m,young_Pa\n" + rows, encoding="utf-8")
-
-
-def of_stones(shape):
-    return ("bed.stone=library", f"bed.library='{{folder}}/{shape}.h5'")
-
-
-def bed(shape, packing, words=()):
-    return Run(f"bed_{shape}_{packing}", SLEEPER,
-               (f"bed.seed={packing}", *of_stones(shape), *FIELDS, *words))
-
-
-def track_of(shape, packing):
-    """Ten sleepers on a bed of copies of one cell."""
-    cell = f"cell_{shape}_{packing}"
-    return [Run(cell, CELL, (f"bed.seed={packing}", *of_stones(shape))),
-            Run(f"track_{shape}_{packing}", TRACK,
-                (*of_stones(shape), f"bed.cell='{{folder}}/{cell}'", "output.fields=true",
-                 "output.fields_interval=0.1", 'output.fields_parts=["ground"]',
-                 "output.ground_extremes=true"))]
-
-
-def runs(form, ranks):
-    full = form == "full"
-    found = [run for packing in (TRACKS if full else ()) for shape in reversed(SHAPES)
-             for run in track_of(shape, packing)]
-    found += [bed(shape, packing, () if full else COARSE)
-              for packing in (PACKINGS if full else PACKINGS[:1]) for shape in reversed(SHAPES)]
-    found += [Run(ground_run(name), GROUND, words) for name, words in GROUNDS.items()]
-    if full:
-        # The same stones as poured: in a loaded bed their overlaps would have 50 times the energy.
-        found.append(Run("bed_granite", SLEEPER, (
-            "bed.seed=1", *of_stones("convex"), f"material.ballast.young={GRANITE:g}",
-            "stage.cycles.cycles=1", f"stage.cycles.duration={PERIOD:g}", *FIELDS,
-            "start='{folder}/bed_convex_1/stage_fill.h5'")))
-        found += [Run(f"bars_{shape}_{packing}", SLEEPER, (
-            f"bed.seed={packing}", *of_stones(shape), *BARS, "dem.safety=0.2", *FIELDS))
-            for packing in BARRED for shape in reversed(SHAPES)]
-        for shape in SHAPES:
-            words = of_stones(shape)
-            found += [Run(f"bedded_{shape}", SOLIDS, words, ranks),
-                      # The wheels again, so that times are those of the wheels alone.
-                      Run(f"cost_{shape}", SOLIDS,
-                          (*words, f"start='{{folder}}/bedded_{shape}/stage_preload.h5'"), ranks)]
-    return found
-
-
-def ground_run(name):
-    return f"ground_{as_file(name)}"
 
 
 def measure(form, folder, numbers, lines):
@@ -365,132 +273,3 @@ def measure_cost(name, place, numbers):
                 "min")
     for what in ("dem", "ground", "track", "coupling"):
         numbers.put(name, f"time, {what}", 100 * float(summary(place, "share", what)), "%")
-
-
-def of(numbers, shape, quantity, model="bed"):
-    """Of all packings; models are bed and bars (two sleepers) and track (ten)."""
-    return [numbers(f"{model}_{shape}_{packing}", quantity) for packing in PACKINGS
-            if numbers.has(f"{model}_{shape}_{packing}")]
-
-
-def mean(numbers, shape, quantity, model="bed"):
-    return float(np.mean(of(numbers, shape, quantity, model)))
-
-
-def error(numbers, shape, quantity, model="bed"):
-    """Standard error of the mean over the packings; 0 of one packing."""
-    found = of(numbers, shape, quantity, model)
-    return float(np.std(found, ddof=1) / len(found)**0.5) if len(found) > 1 else 0.0
-
-
-def error_of_difference(numbers, quantity, model="bed"):
-    """Standard error of the difference of the means of both shapes."""
-    return float(np.hypot(*(error(numbers, shape, quantity, model) for shape in SHAPES)))
-
-
-def less(numbers, quantity, model="bed"):
-    """By how much the mean of convex stones exceeds that of non-convex ones, and whether it differs
-    from 0 by twice the standard error of the difference."""
-    by = mean(numbers, "convex", quantity, model) - mean(numbers, "non_convex", quantity, model)
-    many = len(of(numbers, "convex", quantity, model)) > 1
-    return by, many and abs(by) > 2 * error_of_difference(numbers, quantity, model)
-
-
-LAST = f"cycle {CYCLES['cycles']}"
-SETTLED = "settlement after the first cycle"
-BED, TEN, COST = "Convex and non-convex stones", "Ten sleepers and a rail", "Cost"
-
-
-def predicted(numbers, shape, cores=CORES):
-    """Minutes of stones and of the ground's hexahedra for the study's benchmark, from the measured
-    rates."""
-    run, bench = f"cost_{shape}", BENCHMARK
-    steps = bench["duration"] / bench["stone_step"], bench["duration"] / bench["element_step"]
-    return (bench["stones"][shape] * steps[0]
-            / numbers(run, "stone steps per second and core") / cores / 60,
-            bench["elements"] * steps[1]
-            / numbers(run, "element steps per second and core") / cores / 60)
-
-
-CLOSE = 0.15  # relative, of values given as "around"; twice that of the difference of two
-GROUND_RUN = ground_run("as in the deck")
-
-
-def targets(n):
-    stiff = f"stiffness, {LAST}"
-    stiffness = {shape: mean(n, shape, stiff) for shape in SHAPES}
-    ratio = stiffness["non_convex"] / stiffness["convex"]
-    by, certain = less(n, SETTLED)
-    ratios = tuple(b / a for a, b in zip(of(n, "convex", stiff), of(n, "non_convex", stiff)))
-    found = [
-        Target("stiffness of the bed, convex stones", "main", "around 430 MPa",
-               stiffness["convex"], "MPa", 430, CLOSE, each=tuple(of(n, "convex", stiff)), see=BED),
-        Target("stiffness of the bed, non-convex stones", "main", "around 540 MPa",
-               stiffness["non_convex"], "MPa", 540, CLOSE, each=tuple(of(n, "non_convex", stiff)),
-               see=BED),
-        Target("non-convex stones make the bed stiffer by", "main", "26 %", 100 * (ratio - 1), "%",
-               26, 2 * CLOSE, sign=ratio > 1, each=tuple(100 * (each - 1) for each in ratios),
-               see=BED),
-        Target("sleepers settle less with non-convex stones after the first cycle, by", "main",
-               "5 mm in 50 cycles", by, "mm", holds=certain and by > 0, see=BED)]
-    if len(of(n, "convex", "stones")) > 1:
-        scatter = {shape: float(np.std(of(n, shape, SETTLED), ddof=1)) for shape in SHAPES}
-        found.append(Target(
-            "scatter of this settlement between packings, non-convex over convex", "soft",
-            "smaller", scatter["non_convex"] / scatter["convex"], "",
-            holds=scatter["non_convex"] < scatter["convex"], see=BED))
-    force = {shape: max(of(n, shape, "largest contact force")) for shape in SHAPES}
-    tension, ends = (n(GROUND_RUN, f"tension, {what}")
-                     for what in ("largest", "largest near the ends"))
-    where = n(GROUND_RUN, "tension, x of the largest")
-    levels = [n(GROUND_RUN, f"compression, mean {part}") for part in ("up to 1.2 m", "from 4.8 m")]
-    rise = n(GROUND_RUN, "compression, largest") / n(GROUND_RUN, "compression, median of peaks")
-    peak = n(GROUND_RUN, "compression, x of the largest")
-    found += [
-        Target("largest contact force, convex stones", "soft", "1.5 kN on a stone",
-               force["convex"], "kN", 1.5, CLOSE, see=BED),
-        Target("largest contact force, non-convex stones", "soft", "12 kN on a stone",
-               force["non_convex"], "kN", 12, CLOSE, see=BED),
-        Target("largest tension in the ground", "main", "0.1 MPa", tension, "MPa", 0.1, CLOSE,
-               sign=tension > 1.5 * ends),
-        Target("x of the largest tension", "main", "3 m, steepest stiffness", where, "m", 3, CLOSE,
-               sign=2 < where < 4),
-        Target("largest compression, in the middle, over the median of the peaks below sleepers",
-               "main", "sudden increase", rise, "", holds=2 < peak < 4 and rise > 1,
-               sign=rise > 1),
-        Target("mean compression at the stiff end over that at the soft end", "soft",
-               "similar", levels[1] / levels[0], "", 1, CLOSE)]
-    found += track_targets(n)
-    if n.has("cost_convex"):
-        slower = (n("cost_convex", "stone steps per second and core")
-                  / n("cost_non_convex", "stone steps per second and core"))
-        found.append(Target("time per stone and step, non-convex over convex", "soft", "3.0",
-                            slower, "", 3, CLOSE, see=COST))
-    return found
-
-
-def track_targets(n):
-    """Of ten sleepers and a rail; none in the short form."""
-    if not of(n, "convex", "simulated", "track"):
-        return []
-    found = []
-    for what, quantity, published in (
-            ("the lowest of ten sleepers is", "mean displacement of the lowest sleeper", 5),
-            *((f"the rail at the {place} is", f"rail, {place}, mean displacement", mm)
-              for place, mm in zip(RAIL, (7, 9, 7)))):
-        by, certain = less(n, quantity, "track")
-        found.append(Target(f"{what} less displaced with non-convex stones, by", "main",
-                            f"{published} mm in 50 cycles", by, "mm", holds=certain and by > 0,
-                            see=TEN))
-    for what in ("tension", "compression"):
-        both = [mean(n, shape, f"{what}, largest", "track") for shape in SHAPES]
-        found.append(Target(f"largest {what} in the ground below stones, non-convex over convex",
-                            "soft", "similar", both[1] / both[0], "", 1, CLOSE, see=TEN))
-    tension = mean(n, "convex", "tension, largest", "track")
-    where = mean(n, "convex", "tension, x of the largest", "track")
-    return found + [
-        Target("largest tension in the ground below convex stones", "main", "0.1 MPa", tension,
-               "MPa", 0.1, CLOSE, each=tuple(of(n, "convex", "tension, largest", "track")),
-               see=TEN),
-        Target("x of this tension", "main", "3 m, steepest stiffness", where, "m", 3, CLOSE,
-               each=tuple(of(n, "convex", "tension, x of the largest", "track")), see=TEN)]

@@ -14,8 +14,8 @@ import pytest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "jobs"))
 import launch  # noqa: E402
 import study  # noqa: E402
-from studies import (chen, chen_runs, chen_targets, demfem, netirail,  # noqa: E402
-                     netirail_document, shi)
+from studies import (chen, chen_runs, chen_targets, demfem, demfem_model,  # noqa: E402
+                     netirail, netirail_document, shi)
 from studies.study import (Lines, Numbers, Run, Target, counted, reflowed,  # noqa: E402
                            targets_table)
 
@@ -199,8 +199,8 @@ def test_sampled_loads_are_those_of_the_formula():
 
 
 def test_stiffness_is_the_slope_of_each_loading():
-    time = np.arange(0, demfem.CYCLES["duration"], 1e-3)
-    phase = time / demfem.PERIOD
+    time = np.arange(0, demfem_model.CYCLES["duration"], 1e-3)
+    phase = time / demfem_model.PERIOD
     stress = 1e5 * (1 - np.cos(2 * np.pi * phase)) / 2
     strain = stress / 20e6 + 1e-3 * phase.astype(int)  # keeps more in each cycle
     assert np.allclose(demfem.slopes(stress, strain, time, 5), 20e6, rtol=1e-6)
