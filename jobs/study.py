@@ -135,11 +135,19 @@ def document_of(name, numbers):
     return reflowed(head + text.document(numbers))
 
 
+def derive(name, numbers, lines):
+    """Adds the numbers that a study computes from its lines."""
+    study = study_of(name)
+    if hasattr(study, "derive"):
+        study.derive(numbers, lines)
+
+
 def write_document(name, folder):
     study_of(name)
     try:
         numbers, lines = Numbers.read(folder / "numbers.csv"), Lines.read(folder / "lines.csv")
         numbers.lines = lines
+        derive(name, numbers, lines)
         text = document_of(name, numbers)
     except OSError as error:
         launch.refuse(f"{error.filename}: {error.strerror}")
@@ -182,6 +190,7 @@ def repeat(program, name, form, folder):
     numbers.lines = lines
     try:
         study.measure(form, folder, numbers, lines)
+        derive(name, numbers, lines)
     except (read.Unreadable, OSError, KeyError, ValueError) as error:
         print(f"the results in {folder} cannot be measured ({type(error).__name__}: {error})",
               file=sys.stderr)

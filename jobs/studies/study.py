@@ -4,6 +4,7 @@ A study NAME is a module NAME with
     prepare(program, folder)     (optional) makes files that the Runs need
     runs(form, ranks)            the Runs of the form "short" or "full"
     measure(form, folder, numbers, lines)   fills in Numbers and Lines of the runs in `folder`
+    derive(numbers, lines)       (optional) adds Numbers that the Lines give
     targets(numbers)             Targets, with values that the numbers give
 and a module NAME_document with
     TITLE, SOURCE, CRITERION     of the document; when a target counts as reproduced
@@ -51,8 +52,8 @@ class Target:
     one. `close`: relative deviation that counts as reproduced; without a published number `holds`
     decides. `sign`: whether our value has the published sign or order,
     which the short form requires of main targets; None: it is not required. `each`: the value of
-    each packing, of which `ours` is the mean. `see`: section with experiments if it is not
-    reproduced."""
+    each packing, of which `ours` is the mean. `error`: standard error of `ours`. `see`: section
+    with experiments if it is not reproduced."""
     what: str
     kind: str  # hard, main or soft, see the document; or input
     published: str
@@ -63,6 +64,7 @@ class Target:
     holds: bool | None = None
     sign: bool | None = None
     each: tuple = ()
+    error: float = 0.0
     see: str = ""
 
     def deviation(self):
@@ -169,12 +171,14 @@ def percent(ratio):
 
 
 def figure_of(target):
-    """Our value, with the range over packings."""
+    """Our value, with the range over packings or the standard error."""
     def text(value):
         return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
     found = text(target.ours)
     if len(target.each) > 1:
         found += f" ({text(min(target.each))} to {text(max(target.each))})"
+    elif target.error:
+        found += f" +- {target.error:.2g}"
     return f"{found} {target.unit}".rstrip()
 
 
