@@ -5,7 +5,7 @@ from .study import Run, as_file, deck_of
 
 SLEEPER, GROUND, SOLIDS = "demfem/sleeper.toml", "demfem/ground.toml", "demfem/solids.toml"
 CELL, TRACK = "demfem/cell.toml", "demfem/track.toml"
-DECK, GROUND_DECK = deck_of(SLEEPER), deck_of(GROUND)
+DECK, GROUND_DECK, TRACK_DECK = deck_of(SLEEPER), deck_of(GROUND), deck_of(TRACK)
 TITLES = {"convex": "convex", "non_convex": "non-convex"}
 SHAPES = tuple(TITLES)
 ROCKS, SIZE = 6, 0.02  # their number; m, length unit of their meshes
@@ -23,9 +23,10 @@ STONES = DECK["material"][0]["young"]  # Pa
 GRANITE = 50e9  # Pa, which the study calls realistic
 # Contacts as stiff as a bar of this modulus between the centres of two stones, whose section is the
 # square of their distance: k = modulus times distance. Less stiff along the contact, as in a bar.
-BAR = 0.04  # m, mean distance
+BAR, ZETA = 0.04, 0.3  # m, mean distance; damping ratio
 BARS = tuple(f"contact.{k}.{word}" for k in range(3) for word in (
-    "law=linear", f"k_n={STONES * BAR:g}", f"k_s={STONES * BAR / 2:g}", "zeta_n=0.3", "zeta_s=0.3"))
+    "law=linear", f"k_n={STONES * BAR:g}", f"k_s={STONES * BAR / 2:g}", f"zeta_n={ZETA:g}",
+    f"zeta_s={ZETA:g}"))
 # Contact forces at eight instants of each cycle.
 FIELDS = ("output.fields=true", f"output.fields_interval={PERIOD / 8:g}",
           'output.fields_parts=["contacts"]')
@@ -43,6 +44,7 @@ GROUNDS = {
        (f"ground.layer.subground.young_file='{{folder}}/{file}'",)
        for width, file in WIDTHS.items()},
 }
+NAMES = {"as in the deck": "reference: rise of the modulus over 0.5 m"}  # in tables and figures
 SOFT, HARD, MIDDLE = 80e6, 30e9, 3.0  # Pa, Pa, m
 # The study's benchmark: stones, hexahedra of the ground, steps of both in 0.5 s; minutes in total,
 # of stones, of elements and of coupling with 3.5e4 elements, most of them in rails and sleepers.
@@ -101,5 +103,27 @@ def ground_run(name):
 
 
 LAST = f"cycle {CYCLES['cycles']}"
+NEXT_TO_LAST = f"cycle {CYCLES['cycles'] - 1}"
 SETTLED = "settlement after the first cycle"
+TWO_RATES, TEN_RATES = "two solid sleepers", "ten sleepers"  # models whose cost is measured
 GROUND_RUN = ground_run("as in the deck")
+WHEELED = {TRACK: TRACK_DECK, SOLIDS: deck_of(SOLIDS)}  # decks with wheels
+# Mass of the stones that decks leave out: those below the least sieve of the slice (middle of
+# category A) and, from its grading, those below the least sieve of the cell.
+WITHOUT = [0.13]
+WITHOUT.append(WITHOUT[0] + (1 - WITHOUT[0]) * 0.01 * float(np.interp(
+    deck_of(CELL)["bed"]["sieve"][0], DECK["bed"]["sieve"], DECK["bed"]["passing"])))
+
+
+def stage_of(deck, kind):
+    return next(stage for stage in deck["stage"] if stage.get("kind") == kind)
+
+
+def without_rest():
+    """Decks whose stages between the placing of sleepers and the wheels have none of rest."""
+    found = []
+    for name, deck in WHEELED.items():
+        kinds = [stage.get("kind") for stage in deck["stage"]]
+        if "settle" not in kinds[kinds.index("sleepers"):kinds.index("passage")]:
+            found.append(name)
+    return found
