@@ -1,6 +1,6 @@
 """Files and measurements of the study demfem: convex and non-convex stones below sleepers, a ground
 whose stiffness rises along the track, cost. Its runs: demfem_model.py; targets: demfem_targets.py;
-document: demfem_document.py and demfem_figures.py.
+what lines give: demfem_lines.py; document: demfem_document.py and demfem_figures.py.
 
 Stones are compared on a slice of the track (inputs/demfem/sleeper.toml), and on ten sleepers with a
 rail on the ground (inputs/demfem/track.toml); the ground is also loaded alone
@@ -21,12 +21,13 @@ from . import rocks
 from .demfem_model import (AREA, BENCHMARK, CORNERS, FORCES, GROUND, HARD, HEIGHT, LAYER, MIDDLE,
                            PARTS, PEAK, PERIOD, RAIL, ROCKS, SETTLED, SHAPES, SIZE, SLEEPER, SOFT,
                            TRACK, WIDTHS, runs)
+from .demfem_lines import derive
 from .demfem_targets import predicted, targets
 from .study import summary
 
 from trackbed_post import read  # noqa: I001 (found by .study)
 
-__all__ = ("measure", "predicted", "prepare", "runs", "targets")  # of the study
+__all__ = ("derive", "measure", "predicted", "prepare", "runs", "targets")  # of the study
 
 
 def prepare(program, folder):
@@ -128,8 +129,9 @@ def measure_bed(name, place, numbers, lines):
                 float(summary(place, "dem", "particle_steps_per_second_per_core")), "1/s")
     resultant = run.regions["bed"]["largest_stone_force"].values[rows]
     numbers.put(name, "largest resultant on a stone", 1e-3 * float(resultant.max()), "kN")
-    numbers.put(name, "upper bound of the stiffness", 1e-6 * affine_stiffness(place, run.deck),
-                "MPa")
+    if "non_convex" not in name:  # of stones of one piece
+        numbers.put(name, "upper bound of the stiffness", 1e-6 * affine_stiffness(place, run.deck),
+                    "MPa")
     forces = 1e-3 * contact_forces(place)
     numbers.put(name, "largest contact force", forces.max(), "kN")
     numbers.put(name, "mean contact force", forces.mean(), "kN")
@@ -190,6 +192,7 @@ def measure_track(name, place, numbers, lines):
     numbers.put(name, "mean displacement of the lowest sleeper", down[last].mean(axis=0).max(),
                 "mm")
     lines.put("track_sleepers", name, run.sleepers_x, down[last].mean(axis=0))
+    lines.put("track_lowest", name, time[::4], down[::4].max(axis=1))
     rail = read.datasets(place)["history/solid/rail_displacement"].values[rows]
     lowered = 1e3 * (rail[0] - rail)
     for what, x in RAIL.items():

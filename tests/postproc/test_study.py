@@ -15,7 +15,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "jobs"))
 import launch  # noqa: E402
 import study  # noqa: E402
 from studies import (chen, chen_runs, chen_targets, demfem, demfem_model,  # noqa: E402
-                     netirail, netirail_document, shi)
+                     demfem_targets, netirail, netirail_document, shi)
 from studies.study import (Lines, Numbers, Run, Target, counted, reflowed,  # noqa: E402
                            targets_table)
 
@@ -213,6 +213,28 @@ def test_the_benchmark_is_predicted_from_rates():
     stones, ground = demfem.predicted(numbers, "convex", 16)
     assert stones == pytest.approx(3.3e5 * 5e5 / 1e6 / 16 / 60)
     assert ground == pytest.approx(3750 * 5e4 / 1e7 / 16 / 60)
+
+
+def test_growth_of_the_rail_begins_after_the_first_axle_spacing():
+    numbers, lines = Numbers({}), Lines()
+    time = np.arange(0, 0.68, 4e-3)
+    for place in demfem_model.RAIL:
+        down = np.where(time < demfem_model.PERIOD, -5, 3 + 2 * (time > 0.5))  # mm
+        lines.put(f"track_rail_{place}", "track_convex_1", time, down)
+    demfem.derive(numbers, lines)
+    for what, value in (("displacement in the second axle spacing", 3), ("growth", 2),
+                        ("displacement in the last axle spacing", 5), ("highest position", 5)):
+        assert numbers("track_convex_1", f"rail, {what}") == pytest.approx(value)
+
+
+def test_a_difference_between_few_packings_must_exceed_more_standard_errors():
+    assert demfem_targets.student(5) == pytest.approx(2.306, abs=1e-3)
+    numbers = Numbers({})
+    for shape, values in (("convex", (2.0, 2.2)), ("non_convex", (1.6, 1.8))):
+        for packing, value in enumerate(values, 1):
+            numbers.put(f"track_{shape}_{packing}", "sunk", value, "mm")
+    by, certain = demfem_targets.less(numbers, "sunk", "track")
+    assert by == pytest.approx(0.4) and not certain  # 2.8 standard errors, and 4.3 are needed
 
 
 def test_the_ground_has_the_largest_principal_stresses_along_the_track(tmp_path):
