@@ -84,10 +84,17 @@ def variants():
              for design in DESIGNS]
     found += [on_packing_1(name, "none", *words) for name, words in STONES_NONE.items()]
     found += [on_packing_1(name, "wedge", *words) for name, words in WEDGES.items()]
-    # The bed after more trains, in the place of the usual number of them.
-    trained = on_packing_1(TRAINED, "wedge", f"stage.trains.cycles={MANY_TRAINS}",
-                           start="stones_wedge_1/stage_bed_in.h5")
-    return [*found, trained, on_packing_1(TRAINED, "none", start=f"{trained.name}/stage_trains.h5")]
+    return [*found,
+            *prepared(TRAINED, f"stage.trains.cycles={MANY_TRAINS}", "stage.trains.settlement=0",
+                      start="stones_wedge_1/stage_bed_in.h5"),
+            *prepared(FULL_FRICTION, "stage.bed_in.friction=-1",
+                      start="stones_wedge_1/stage_sleepers.h5")]
+
+
+def prepared(name, *words, start):
+    """Both designs on the stones of packing 1 that are prepared in another way."""
+    first = on_packing_1(name, "wedge", *words, start=start)
+    return [first, on_packing_1(name, "none", start=f"{first.name}/stage_trains.h5")]
 
 
 # Maps of the velocity when the first axle is here, m: field files at each metre of the train.
@@ -100,7 +107,7 @@ def maps(design):
               'output.fields_parts=["stones","ground"]')
     return Run(f"maps_{design}", STONES,
                ("bed.seed=1", sensors(DECK), *DESIGNS[design], *fields,
-                f"start='{{folder}}/stones_{design}_1/stage_moving_train.h5'"))
+                "start='{folder}/stones_wedge_1/stage_trains.h5'"))
 
 
 def at_speed(kmh):
@@ -129,8 +136,8 @@ VEHICLE = ("passage.loaded_by=train", "load={}", 'train.vehicles=["hxd1"]',
            f"train.speed={LOAD['speed']}", "train.start=0", "rail.section=CHN60",
            "pad.stiffness=100e6", "pad.damping=50e3", "passage.duration=2.1")
 SPEEDS = (40, 120, 200, 270, 350)  # km/h, besides that of the study
-MANY_TRAINS = 20  # of the preparation, in the place of those of the deck
-SHOWN_TRAINS = (1, 2, 5, 10, 20)
+MANY_TRAINS = 10  # of the preparation, in the place of those of the deck
+SHOWN_TRAINS = (1, 2, 5, 10)
 # Variants of the ground alone: title -> words. The first is that of the deck.
 FIXED = "as in the deck: fixed base, rollers at the sides"
 BOUNDARIES = {
@@ -177,14 +184,16 @@ STONES_BOTH = {
     "thin": thinner(1.0),
     SAMPLED: TABLE[:1],
     LOADED: (*(word for word in VEHICLE if not word.startswith("passage.")),
-             "stage.moving_train.train=true", "stage.passage.train=true"),
+             "stage.passage.train=true"),
+    **{f"{kmh} km/h": (f"load.speed={kmh / 3.6:.6g}",) for kmh in SPEEDS},
 }
 STONES_NONE = {
     "soft": stiffness(2.5e8),
     "stiff": stiffness(1e9),
-    "half the step": ("time.window=1.735e-5", "time.step=0.8675e-5"),
+    "half the step": ("time.window=1.388e-5", "time.step=0.694e-5"),
 }
 TRAINED = "more trains"
+FULL_FRICTION = "loads with full friction"  # while the bed is prepared
 
 
 def ground(name, design, *words):
@@ -403,6 +412,11 @@ def measure_stones(name, place, numbers, lines):
     numbers.put(name, "kept, median", np.median(kept), "mm")
     numbers.put(name, "kept, sleepers above 1 mm", np.count_nonzero(kept > KEPT), "-")
     lines.put("sleeper", name, x, sleeper)
+    height = 1e3 * next(stage["height"] for stage in run.deck["stage"]
+                        if stage["kind"] == "sleepers")
+    ballast = height + 1e3 * run.sleeper["displacement"].values[rows.start]
+    numbers.put(name, "ballast below sleepers, median", np.median(ballast), "mm")
+    numbers.put(name, "ballast below sleepers, least", ballast.min(), "mm")
     below = [run.sensors[f"below_{k}"] for k in range(count)]
     path = np.array([of["displacement"].values[rows, 2] for of in below]).T
     stone = 1e3 * (path[0] - path).max(axis=0)
