@@ -11,25 +11,16 @@ import h5py
 import numpy as np
 import scipy.optimize
 
+from . import shi_space
+from .shi_decks import (ALONE, DECK, DESIGNS, EDGE, FILTER, GRAVITY, GROUND, LOAD, NO_WEDGE, SHORT,
+                        SPACING, STONES, TITLES, filtered_acceleration)
 from .study import Lines, Run, Target, as_file, deck_of, summary
 
 from trackbed_post import measures, read, signals  # noqa: I001 (found by .study)
 
-STONES, SHORT, GROUND = "shi/transition.toml", "shi/short.toml", "shi/ground.toml"
-
-
-DECK, ALONE = deck_of(STONES), deck_of(GROUND)
-LOAD = DECK["load"]
 DECAY = 1.54257  # 1/m, of the seat loads: the default of load.decay, which the decks leave
-EDGE = 2.0  # m, x where the structure ends
 S1, S2 = 6.1, 15.7  # m, x of a sleeper above the wedge and of one beyond it, chosen here
-SPACING = DECK["sleepers"]["spacing"]  # m
-NO_WEDGE = tuple(f"ground.block.{name}.present=false" for name in ("wedge", "wedge_surface"))
-DESIGNS = {"none": NO_WEDGE, "wedge": ()}
-TITLES = {"none": "without wedge", "wedge": "with wedge"}
 PACKINGS = (1, 2, 3, 4, 5)  # seeds
-FILTER = signals.LowPass(100)  # Hz, as in the study
-GRAVITY = 9.81
 BELOW = 0.20  # m above the ground: sensors in the ballast, 0.15 m below the sleepers
 KEPT = 1.0  # mm: a sleeper that keeps more has lost its support, and is not judged by acceleration
 GONE = 3.0  # m, before and behind the ground where the first and the last axle start and stop
@@ -201,8 +192,7 @@ def ground(name, design, *words):
 
 
 def runs(form, ranks):
-    del ranks  # runs side by side use them better than one run on all of them
-    found = []
+    found = []  # on one rank: runs side by side use several better than one run on all of them
     if form == "short":
         words = (f"material.ballast.density={DECK['material'][0]['density']}",
                  sensors(deck_of(SHORT)))
@@ -219,7 +209,8 @@ def runs(form, ranks):
                   for group in (BOUNDARIES, OPEN, CONVERGENCE) for name, words in group.items()]
         found += [ground(f"{kmh} km/h", design, *at_speed(kmh)) for kmh in SPEEDS]
         found += [ground(LOADED, design, *VEHICLE), ground(SAMPLED, design, *TABLE)]
-    return found + [ground(name, "wedge", *words) for name, words in WEDGES.items()]
+    found += [ground(name, "wedge", *words) for name, words in WEDGES.items()]
+    return found + shi_space.runs(ranks)
 
 
 def measure(form, folder, numbers, lines):
@@ -231,6 +222,8 @@ def measure(form, folder, numbers, lines):
             surfaces[run.name] = measure_ground(run.name, place, numbers, lines)
         elif run.name.startswith("maps"):
             measure_maps(run.name, place, numbers, lines)
+        elif run.name in shi_space.names():
+            shi_space.measure(run.name, place, numbers, lines)
         else:
             surfaces[run.name] = measure_stones(run.name, place, numbers, lines)
         numbers.put(run.name, "wall_time", float(summary(place, "wall_time_s")), "s")
@@ -369,12 +362,6 @@ def ahead(x, velocity, time, run):
         moving = down[k + 1:] > 0.1 * down[k:k + 5].max()
         counts.append(len(moving) if moving.all() else int(np.argmin(moving)))
     return float(np.mean(counts)) if counts else None
-
-
-def filtered_acceleration(time, velocity):
-    """g, from the velocity after the low pass, as accelerations at single instants contain the
-    vibration of contacts at higher frequencies than the rows resolve."""
-    return np.gradient(FILTER(time, velocity), time, axis=0) / GRAVITY
 
 
 def put_acceleration(name, largest, numbers):
