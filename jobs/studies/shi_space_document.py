@@ -44,6 +44,7 @@ def part(n):
             for title, quantity in ROWS]
     stones, density = (values(n, "space", "wedge", of)[0] for of in ("stones", "bulk density"))
     packings = len(values(n, "space", "none", "stones"))
+    count = "One packing each:" if packings == 1 else f"{packings} packings each, mean (least to most):"
     far = {where: [np.mean(values(n, where, design, "sleeper, median beyond"))
                    - np.mean(values(n, where, design, "ground, far")) for design in DESIGNS]
            for where in MODELS}
@@ -61,8 +62,7 @@ sleepers are those of {width:g} m of the 1.3 m of half a sleeper. The bed has {d
 with stones of {deck["material"][0]["density"]} kg/m3; contacts of
 {deck["contact"][0]["k_n"] / 1e6:g} MN/m are those of the compression test in docs/laboratory.md.
 `inputs/shi/short.toml` is the same in the plane, except that its ground may expand across the track
-and its stones are disk-like bodies with contacts of 500 MN/m. {packings} packings each; mean (least
-to most):
+and its stones are prisms with contacts of 500 MN/m. {count}
 
 {table(["", *(f"{where}, {TITLES[design]}" for where, design in COLUMNS)], rows)}
 The steepest change of the surface is changed by the wedge by {percent(falls["plane"])} in the
@@ -92,6 +92,5 @@ def draw(lines, folder):
         panel.invert_yaxis()
         panel.set_ylabel(label)
         panel.legend(fontsize=8)
-    panels[-1].set_xlabel(f"x, m (grey: structure); mean of {len(PACKINGS)} packings; beyond "
-                          f"{END:g} m the end of the ground acts")
+    panels[-1].set_xlabel(f"x, m (grey: structure); beyond {END:g} m the end of the ground acts")
     save(figure, folder / "space.png")
