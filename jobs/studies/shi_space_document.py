@@ -44,7 +44,8 @@ def part(n):
             for title, quantity in ROWS]
     stones, density = (values(n, "space", "wedge", of)[0] for of in ("stones", "bulk density"))
     packings = len(values(n, "space", "none", "stones"))
-    count = "One packing each:" if packings == 1 else f"{packings} packings each, mean (least to most):"
+    count = ("One packing each:" if packings == 1 else
+             f"{packings} packings each, mean (least to most):")
     far = {where: [np.mean(values(n, where, design, "sleeper, median beyond"))
                    - np.mean(values(n, where, design, "ground, far")) for design in DESIGNS]
            for where in MODELS}
