@@ -8,7 +8,8 @@ import matplotlib.pyplot as plt  # noqa: E402
 from . import shi_space_document  # noqa: E402
 from .shi import (AXLE_AT, BOUNDARIES, CONVERGENCE, DECAY, DECK, DESIGNS, EDGE,  # noqa: E402
                   FIXED, FULL_FRICTION, KEPT, LOAD, LOADED, MANY_TRAINS, MEAN_STRESS, OPEN,
-                  PACKINGS, PUBLISHED_STONES, S1, S2, SAMPLED, SHOWN_TRAINS, SPACING, SPECTRAL_LINES, SPEEDS,
+                  PACKINGS, PUBLISHED_STONES, S1, S2, SAMPLED, SHOWN_TRAINS, SPACING,
+                  SPECTRAL_LINES, SPEEDS,
                   TITLES, TRAINED, WEDGES, WHEEL, cases, change, jump, jump_of_means,
                   load_of_seats, mean, reduction, values)
 from .study import COLOURS, as_file, heading, percent, save, table  # noqa: E402
@@ -104,7 +105,8 @@ def support_of_sleepers(n):
   up to {deepest:.0f} mm): results of single sleepers and nodes are not converged."""
     rough = max(n(f"stones_{design}_{as_file(FULL_FRICTION)}", "kept, most") for design in DESIGNS)
     return f"""The bed is stable, as the study's: in {passages} passages no sleeper goes down for
-  good by more than {deepest:.2g} mm. Loads on all sleepers prepared it with a friction of contacts of
+  good by more than {deepest:.2g} mm. Loads on all sleepers prepared it with a friction of
+  contacts of
   {LOADING["friction"]:g}; with the full {FRICTION:g} one sleeper of packing 1 goes down by
   {rough:.2g} mm in the same passage."""
 
@@ -207,7 +209,8 @@ accelerations, so that {calm["none"]} remain without and {calm["wedge"]} with we
     return heading("With stones") + f"""
 Largest values in the passage of the locomotive, {what}. Displacements are downwards. Accelerations
 follow from velocities after a low pass of 100 Hz, as in the study.{excluded} Plain track is the
-median of the surface at 6 to 11 m without wedge, for both. The distance to 90 % of its displacement is that of a smooth curve through the surface, 1 - exp(-(s/l)^p) with l and p of
+median of the surface at 6 to 11 m without wedge, for both. The distance to 90 % of its displacement
+is that of a smooth curve through the surface, 1 - exp(-(s/l)^p) with l and p of
 least squares and the distance s from the edge.
 
 {table(["", *TITLES.values()], rows)}"""
@@ -424,7 +427,8 @@ def part_preparation(n):
 Plane stones support a sleeper at few points, and such a support can fail under a train although it
 carried others before. Loads with less friction let weak supports fail beforehand: a bed that
 carries them with a friction of {LOADING["friction"]:g} has a reserve with {FRICTION:g}. After loads
-with full friction one train after the other still moves sleepers of packing 1 down for good, the last of at
+with full friction one train after the other still moves sleepers of packing 1 down for good, the
+last of at
 most {TRAINS["cycles"]} by {n(rough, last):.2g} mm; after loads with less friction the last one
 does by {n("stones_wedge_1", last):.2g} mm. With {MANY_TRAINS} trains in their place:
 
@@ -454,7 +458,8 @@ With stones (packing 1):
                   ("6 to 11 m, mm", "last 2 m, mm", "90 %, m", "sleepers beyond, mm",
                    "acceleration, median, g"))], on_stones)}
 Ground alone, from {SPEEDS[0]} to {SPEEDS[-1]} km/h the displacement 6 to 11 m behind the edge
-changes by {percent(change(n, slow, fast, "ground, 6 to 11 m"))} without wedge, with its largest value in
+changes by {percent(change(n, slow, fast, "ground, 6 to 11 m"))} without wedge, with its largest
+value in
 between, and that of the last 2 m by {percent(change(n, slow, fast, "ground, far"))}. What uneven
 rails and moving masses add is not part of prescribed loads.
 """
