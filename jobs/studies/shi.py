@@ -11,25 +11,16 @@ import h5py
 import numpy as np
 import scipy.optimize
 
+from . import shi_space
+from .shi_decks import (ALONE, DECK, DESIGNS, EDGE, FILTER, GRAVITY, GROUND, LOAD, NO_WEDGE, SHORT,
+                        SPACING, STONES, TITLES, filtered_acceleration)
 from .study import Lines, Run, Target, as_file, deck_of, summary
 
 from trackbed_post import measures, read, signals  # noqa: I001 (found by .study)
 
-STONES, SHORT, GROUND = "shi/transition.toml", "shi/short.toml", "shi/ground.toml"
-
-
-DECK, ALONE = deck_of(STONES), deck_of(GROUND)
-LOAD = DECK["load"]
 DECAY = 1.54257  # 1/m, of the seat loads: the default of load.decay, which the decks leave
-EDGE = 2.0  # m, x where the structure ends
 S1, S2 = 6.1, 15.7  # m, x of a sleeper above the wedge and of one beyond it, chosen here
-SPACING = DECK["sleepers"]["spacing"]  # m
-NO_WEDGE = tuple(f"ground.block.{name}.present=false" for name in ("wedge", "wedge_surface"))
-DESIGNS = {"none": NO_WEDGE, "wedge": ()}
-TITLES = {"none": "without wedge", "wedge": "with wedge"}
 PACKINGS = (1, 2, 3, 4, 5)  # seeds
-FILTER = signals.LowPass(100)  # Hz, as in the study
-GRAVITY = 9.81
 BELOW = 0.20  # m above the ground: sensors in the ballast, 0.15 m below the sleepers
 KEPT = 1.0  # mm: a sleeper that keeps more has lost its support, and is not judged by acceleration
 GONE = 3.0  # m, before and behind the ground where the first and the last axle start and stop
@@ -84,10 +75,17 @@ def variants():
              for design in DESIGNS]
     found += [on_packing_1(name, "none", *words) for name, words in STONES_NONE.items()]
     found += [on_packing_1(name, "wedge", *words) for name, words in WEDGES.items()]
-    # The bed after more trains, in the place of the usual number of them.
-    trained = on_packing_1(TRAINED, "wedge", f"stage.trains.cycles={MANY_TRAINS}",
-                           start="stones_wedge_1/stage_bed_in.h5")
-    return [*found, trained, on_packing_1(TRAINED, "none", start=f"{trained.name}/stage_trains.h5")]
+    return [*found,
+            *prepared(TRAINED, f"stage.trains.cycles={MANY_TRAINS}", "stage.trains.settlement=0",
+                      start="stones_wedge_1/stage_bed_in.h5"),
+            *prepared(FULL_FRICTION, "stage.bed_in.friction=-1",
+                      start="stones_wedge_1/stage_sleepers.h5")]
+
+
+def prepared(name, *words, start):
+    """Both designs on the stones of packing 1 that are prepared in another way."""
+    first = on_packing_1(name, "wedge", *words, start=start)
+    return [first, on_packing_1(name, "none", start=f"{first.name}/stage_trains.h5")]
 
 
 # Maps of the velocity when the first axle is here, m: field files at each metre of the train.
@@ -100,7 +98,7 @@ def maps(design):
               'output.fields_parts=["stones","ground"]')
     return Run(f"maps_{design}", STONES,
                ("bed.seed=1", sensors(DECK), *DESIGNS[design], *fields,
-                f"start='{{folder}}/stones_{design}_1/stage_moving_train.h5'"))
+                "start='{folder}/stones_wedge_1/stage_trains.h5'"))
 
 
 def at_speed(kmh):
@@ -129,8 +127,8 @@ VEHICLE = ("passage.loaded_by=train", "load={}", 'train.vehicles=["hxd1"]',
            f"train.speed={LOAD['speed']}", "train.start=0", "rail.section=CHN60",
            "pad.stiffness=100e6", "pad.damping=50e3", "passage.duration=2.1")
 SPEEDS = (40, 120, 200, 270, 350)  # km/h, besides that of the study
-MANY_TRAINS = 20  # of the preparation, in the place of those of the deck
-SHOWN_TRAINS = (1, 2, 5, 10, 20)
+MANY_TRAINS = 10  # of the preparation, in the place of those of the deck
+SHOWN_TRAINS = (1, 2, 5, 10)
 # Variants of the ground alone: title -> words. The first is that of the deck.
 FIXED = "as in the deck: fixed base, rollers at the sides"
 BOUNDARIES = {
@@ -177,14 +175,16 @@ STONES_BOTH = {
     "thin": thinner(1.0),
     SAMPLED: TABLE[:1],
     LOADED: (*(word for word in VEHICLE if not word.startswith("passage.")),
-             "stage.moving_train.train=true", "stage.passage.train=true"),
+             "stage.passage.train=true"),
+    **{f"{kmh} km/h": (f"load.speed={kmh / 3.6:.6g}",) for kmh in SPEEDS},
 }
 STONES_NONE = {
     "soft": stiffness(2.5e8),
     "stiff": stiffness(1e9),
-    "half the step": ("time.window=1.735e-5", "time.step=0.8675e-5"),
+    "half the step": ("time.window=1.388e-5", "time.step=0.694e-5"),
 }
 TRAINED = "more trains"
+FULL_FRICTION = "loads with full friction"  # while the bed is prepared
 
 
 def ground(name, design, *words):
@@ -192,8 +192,7 @@ def ground(name, design, *words):
 
 
 def runs(form, ranks):
-    del ranks  # runs side by side use them better than one run on all of them
-    found = []
+    found = []  # on one rank: runs side by side use several better than one run on all of them
     if form == "short":
         words = (f"material.ballast.density={DECK['material'][0]['density']}",
                  sensors(deck_of(SHORT)))
@@ -210,7 +209,8 @@ def runs(form, ranks):
                   for group in (BOUNDARIES, OPEN, CONVERGENCE) for name, words in group.items()]
         found += [ground(f"{kmh} km/h", design, *at_speed(kmh)) for kmh in SPEEDS]
         found += [ground(LOADED, design, *VEHICLE), ground(SAMPLED, design, *TABLE)]
-    return found + [ground(name, "wedge", *words) for name, words in WEDGES.items()]
+    found += [ground(name, "wedge", *words) for name, words in WEDGES.items()]
+    return found + shi_space.runs(ranks)
 
 
 def measure(form, folder, numbers, lines):
@@ -222,6 +222,8 @@ def measure(form, folder, numbers, lines):
             surfaces[run.name] = measure_ground(run.name, place, numbers, lines)
         elif run.name.startswith("maps"):
             measure_maps(run.name, place, numbers, lines)
+        elif run.name in shi_space.names():
+            shi_space.measure(run.name, place, numbers, lines)
         else:
             surfaces[run.name] = measure_stones(run.name, place, numbers, lines)
         numbers.put(run.name, "wall_time", float(summary(place, "wall_time_s")), "s")
@@ -362,12 +364,6 @@ def ahead(x, velocity, time, run):
     return float(np.mean(counts)) if counts else None
 
 
-def filtered_acceleration(time, velocity):
-    """g, from the velocity after the low pass, as accelerations at single instants contain the
-    vibration of contacts at higher frequencies than the rows resolve."""
-    return np.gradient(FILTER(time, velocity), time, axis=0) / GRAVITY
-
-
 def put_acceleration(name, largest, numbers):
     """Of the largest acceleration of each sleeper."""
     for what, of in (("least", np.min), ("median", np.median), ("most", np.max)):
@@ -403,6 +399,11 @@ def measure_stones(name, place, numbers, lines):
     numbers.put(name, "kept, median", np.median(kept), "mm")
     numbers.put(name, "kept, sleepers above 1 mm", np.count_nonzero(kept > KEPT), "-")
     lines.put("sleeper", name, x, sleeper)
+    height = 1e3 * next(stage["height"] for stage in run.deck["stage"]
+                        if stage["kind"] == "sleepers")
+    ballast = height + 1e3 * run.sleeper["displacement"].values[rows.start]
+    numbers.put(name, "ballast below sleepers, median", np.median(ballast), "mm")
+    numbers.put(name, "ballast below sleepers, least", ballast.min(), "mm")
     below = [run.sensors[f"below_{k}"] for k in range(count)]
     path = np.array([of["displacement"].values[rows, 2] for of in below]).T
     stone = 1e3 * (path[0] - path).max(axis=0)
