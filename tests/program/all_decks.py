@@ -19,7 +19,7 @@ SHORT = ["stage.fill.duration=0.06", "stage.compact.duration=0.01", "stage.relea
          "stage.sleepers.duration=0.01", "stage.bed_in.duration=0.02", "stage.bed_in.cycles=1",
          "stage.bed_in.load=40e3", "stage.trains.cycles=1", "load.speed=900", "load.peak=40e3",
          "output.fields=false", "output.checkpoint_interval=0"]
-STAGES = ["fill", "compact", "release", "sleepers", "bed_in", "trains", "moving_train", "passage"]
+STAGES = ["fill", "compact", "release", "sleepers", "bed_in", "trains", "passage"]
 
 
 def check(program, deck, folder):
