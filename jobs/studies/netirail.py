@@ -6,26 +6,16 @@ own model, a plane ground of the width of its layers (inputs/track/netirail_2d.t
 """
 import math
 
-import h5py
 import numpy as np
 
-from .study import Run, Target, as_file, deck_of, summary
+from .netirail_measure import (BACKFILL, BLOCKS, BRIDGE_ENDS, DECK, DEPTH, FAR, LAYERS, MIRROR,
+                               NEAR, PLANE, SLEEPER, change, measure_ground, measure_stones, moved)
+from .study import Run, Target, as_file, summary
 
-from trackbed_post import transition  # noqa: I001 (found by .study)
-
-SPACE, PLANE = "track/netirail.toml", "track/netirail_2d.toml"
-MIRROR = 83.4  # m, x of the track plus that of its mirror image
-BRIDGE_ENDS, BACKFILL = 17.7, 6.0  # m, x of the track and of the ground where the bridge ends
-NEAR, FAR = "14.7 m", "41 m"  # distances of the points from the bridge
-DECK = deck_of(PLANE)
-LAYERS, BLOCKS = ({one["name"]: one for one in DECK["ground"][kind]} for kind in ("layer", "block"))
-SLEEPER, SPEED = DECK["track"]["sleeper_mass"], DECK["train"]["speed"]  # kg, m/s
-WHEELBASE = 2.7  # m
+SPACE = "track/netirail.toml"
 MASSES = (0.5, 1, 2, 3)
-BESIDE = (-4.5, 36)  # m, distances from the bridge at which measures are judged
 WEDGE = ("ugm", "cbm")  # blocks, the farther one first
 TOP = -0.6  # m, z of the top of the wedge
-DEPTH = sum(layer["thickness"] for layer in LAYERS.values())  # m, of the ground
 MATERIAL = ("young", "density", "rayleigh_stiffness")
 BASE = ('train.vehicles=["alfa_pendular","alfa_pendular"]', "passage.duration=1.9",
         "output.history_interval=5e-4")
@@ -80,9 +70,13 @@ def clip(begin, end, reach):
     return [p for k, p in enumerate(points) if k != 2 or p[1] < TOP - 1e-9]
 
 
-def narrow(layered, narrowest=0.5, over=24.0, strip=3.0):
+NARROWEST, NARROW_OVER = 0.5, 24.0  # of the width of the plane ground; m from the bridge
+
+
+def narrow(layered, wedge, strip=3.0):
     """A plane ground whose width decreases linearly towards the bridge: strips with moduli and
-    densities times their width over that of the model."""
+    densities times their width over that of the model. `layered`: with sub-ballast and capping
+    layer; `wedge`: with CBM and UGM."""
     blocks = []
 
     def block(name, outline, of, width):
@@ -90,16 +84,16 @@ def narrow(layered, narrowest=0.5, over=24.0, strip=3.0):
         blocks.append(f'{{name="{name}",outline=[{numbers}],young={of["young"] * width:g},'
                       f'poisson={of["poisson"]:g},density={of["density"] * width:g},'
                       f'rayleigh_stiffness={of["rayleigh_stiffness"]:g}}}')
-    for k in range(round(over / strip)):
+    for k in range(round(NARROW_OVER / strip)):
         begin, top = BACKFILL + k * strip, 0
         end = begin + strip
-        width = narrowest + (1 - narrowest) * (k + 0.5) * strip / over
+        width = NARROWEST + (1 - NARROWEST) * (k + 0.5) * strip / NARROW_OVER
         for name, layer in LAYERS.items():
             bottom = top + layer["thickness"]
             block(f"{name}_{k}", [(begin, -top), (end, -top), (end, -bottom), (begin, -bottom)],
                   layer if layered else LAYERS["embankment"], width)
             top = bottom
-        for name in WEDGE if layered else ():
+        for name in WEDGE if wedge else ():
             if outline := clip(begin, end, reach_of(name)):
                 block(f"{name}_{k}", outline, BLOCKS[name], width)
     block("abutment", BLOCKS["abutment"]["outline"], BLOCKS["abutment"], 1)
@@ -107,10 +101,10 @@ def narrow(layered, narrowest=0.5, over=24.0, strip=3.0):
 
 
 GEOMETRIES = {  # of the report's Table 3: words of the plane model, name
-    "original": (narrow(True), "narrow at the bridge, reinforced"),
+    "original": (narrow(True, True), "narrow at the bridge, reinforced"),
     "same_width": ((), "13 m wide, reinforced"),
     "same_width_fill": (EMBANKMENT, "13 m wide, fill only"),
-    "narrow_fill": ((*FILL, *narrow(False)), "narrow at the bridge, fill only"),
+    "narrow_fill": ((*FILL, *narrow(False, False)), "narrow at the bridge, fill only"),
 }
 
 
@@ -197,6 +191,13 @@ OPEN = {
     "ground of twice the width": ("ground.y=[0,13]", "ground.elements_y=20"),
     "embankment of 120 MPa": ("ground.layer.embankment.young=120e6",),
 }
+PLANE_OPEN = ("pads of 160 MN/m", "capping layer of 0.6 m",
+              "capping layer of 0.6 m and pads of 160 MN/m")  # on the plane ground, too
+# Springs before the ground as stiff as ballast on a rigid bridge.
+LONG_BRIDGE = ("track.zone=[{from=71.7,to=85,bed=0.2}]",)
+# 30 m more of ground and track, so that their ends are farther from the point at 41 m.
+LONGER = ("ground.x=[0,90]", "ground.elements_x=150", "footing.count=150", "track.length=114",
+          "track.zone.1.from=101.7", "track.zone.1.to=115")
 # Too strong for explicit steps; plane ground.
 DAMPING = ("ground.integrator=newmark", "passage.step=5e-4",
            "ground.layer.capping.rayleigh_stiffness=2.6e-3",
@@ -226,10 +227,19 @@ def mirrored(words=()):
             *(f"ground.block.{name}.outline=[{outline(name)}]" for name in BLOCKS))
 
 
-# Runs whose displacements along the track are drawn.
-DRAWN = {"space_layers", "space_no_wedge", "space_embankment", "stones_layers", "stones_embankment",
+# Runs whose displacements along the track are drawn, and those whose displacements over time are.
+DRAWN = {"space_layers", "space_no_wedge", "space_embankment", "plane_no_wedge",
          *(f"plane_{name}_1" for name in GEOMETRIES),
          *("plane_" + as_file(f"measure {name}") for name in MEASURES)}
+OVER_TIME = {f"plane_{name}_{m}" for name in ("original", "narrow_fill") for m in (1, 2)}
+# Histograms: runs to compare, by what differs between them.
+COMPARED = {
+    "reinforced layers, narrow at the bridge": ("plane_narrow_fill_1", "plane_original_1"),
+    "reinforced layers, 13 m wide": ("plane_same_width_fill_1", "plane_same_width_1"),
+    "2 x mass, narrow at the bridge, fill only": ("plane_narrow_fill_1", "plane_narrow_fill_2"),
+    "2 x mass, 13 m wide, fill only": ("plane_same_width_fill_1", "plane_same_width_fill_2"),
+}
+UNLOADED = "2 x mass, 13 m wide, fill only, zero at the ground without sleepers"
 
 
 def runs(form, ranks):
@@ -258,7 +268,12 @@ def runs(form, ranks):
               *(space(name, *words) for name, words in WEDGES.items()),
               Run("space_six", SPACE, SIX, ranks)]
     found += [space(f"open {name}", *words) for name, words in OPEN.items() if words]
-    found += [plane("damping", *DAMPING)]
+    found += [plane(name, *words) for name, words in WEDGES.items()]
+    found += [plane("narrow no wedge", *narrow(True, False)), plane("damping", *DAMPING)]
+    found += [plane("long bridge", *LONG_BRIDGE),
+              plane("long bridge embankment", *EMBANKMENT, *LONG_BRIDGE),
+              plane("longer", *LONGER), space("longer", *LONGER)]
+    found += [plane(f"open {name}", *OPEN[name]) for name in PLANE_OPEN]
     found += [space(f"finer {name}", *words) for name, words in CONVERGENCE.items() if words]
     found += [plane(f"mass {name} {m}", *EMBANKMENT, *words, mass(m))
               for name, words in EXPERIMENTS.items() for m in (1, 3)]
@@ -269,114 +284,26 @@ def runs(form, ranks):
     return found
 
 
-def history(file, path):
-    return file[f"history/{path}"][()]
-
-
 def measure(form, folder, numbers, lines):
-    """Displacements downwards in mm, forces in kN, histograms and envelopes of all runs."""
+    """Numbers and curves of all runs, and of the histograms of two runs each."""
     cases = {f"plane_{as_file(f'{name}_{m}')}" for name in GEOMETRIES for m in MASSES}
+    alone = {f"plane_{as_file(f'same_width_fill_{m}')}": m for m in MASSES}
     for run in runs(form, 1):
-        place = folder / run.name
         if run.deck == STONES:
             measure_stones(run.name, folder, numbers, lines)
         elif run.deck in (SPACE, PLANE):
-            measure_ground(run.name, place, numbers, lines, run.name in cases)
-        numbers.put(run.name, "wall_time", float(summary(place, "wall_time_s")), "s")
-
-
-def measure_ground(name, place, numbers, lines, histograms):
-    with h5py.File(place / "results.h5") as file:
-        rail, sleeper = history(file, "rail/displacement"), history(file, "sleeper/displacement")
-        ground, seat = history(file, "ground/displacement"), history(file, "sleeper/seat_force")
-        rank = np.argsort(np.argsort(file["history/rail/x"][()]))  # sleepers ascend in x
-        x, lowest = (file[f"envelope/rail/{of}"][()] for of in ("x", "displacement_min"))
-        wheel_x, force = history(file, "wheel/x"), history(file, "wheel/force")
-    for k, point in enumerate((NEAR, FAR)):
-        beside = rank[k]
-        for what, value in (("rail", -rail[:, k].min()),
-                            ("rail to sleeper", (sleeper[:, beside] - rail[:, k]).max()),
-                            ("sleeper", -sleeper[:, beside].min()),
-                            ("ground", -ground[:, beside].min()),
-                            ("rail rms", np.sqrt((rail[:, k]**2).mean()))):
-            numbers.put(name, f"{what}, {point}", 1e3 * value, "mm")
-        numbers.put(name, f"seat force, {point}", 1e-3 * seat[:, beside].max(), "kN")
-        if histograms:
-            count, edges = np.histogram(1e3 * rail[:, k], np.arange(-1, 0.1501, 0.05))
-            lines.put(f"histogram, {point}", name, edges[:-1] + 0.025, 100 * count / len(rail))
-    mirror = name.split("_")[1] == "back"
-    distance, wheels = ((MIRROR - of if mirror else of) - BRIDGE_ENDS for of in (x, wheel_x))
-    near = (wheels > BESIDE[0]) & (wheels < BESIDE[1])
-    numbers.put(name, "range of wheel forces", 1e-3 * np.ptp(force[near]), "kN")
-    put_envelope(name, distance, -1e3 * lowest, BESIDE, numbers, lines)
-
-
-def measure_stones(name, folder, numbers, lines):
-    """Of the last train, relative to the levels before it."""
-    train = transition.train_of(folder / name)
-    distance = train.run.sleepers_x - BACKFILL
-    here = np.abs(distance - 14.7).argmin()
-    rail, sleeper = 1e3 * train.rail_down(), 1e3 * train.sleeper_down()
-    numbers.put(name, f"rail, {NEAR}", rail[here], "mm")
-    numbers.put(name, f"sleeper, {NEAR}", sleeper[here], "mm")
-    around = np.abs(distance - 14.7) < 3.1
-    numbers.put(name, "sleeper, mean of 11 about 14.7 m", sleeper[around].mean(), "mm")
-    numbers.put(name, "sleeper, least of them", sleeper[around].min(), "mm")
-    numbers.put(name, "sleeper, most of them", sleeper[around].max(), "mm")
-    judged = slice(transition.ENDS, -transition.ENDS)
-    ends = (-3, distance[judged][-1])
-    put_envelope(name, distance, rail, ends, numbers, lines)
-    springs = folder / ("plane_same_width_1" if name == "stones_layers" else
-                        "plane_same_width_fill_1")
-    with h5py.File(springs / "results.h5") as file:
-        x, lowest = (file[f"envelope/rail/{of}"][()] for of in ("x", "displacement_min"))
-    numbers.put(name, "steepest change on springs",
-                steepest(x - BRIDGE_ENDS, -1e3 * lowest, ends), "mm/m")
-    lines.put("sleepers on stones", name, distance, sleeper)
-
-
-def steepest(distance, down, window):
-    """Steepest change of a displacement from place to place in a window of the distance, mm/m."""
-    part = (distance > window[0]) & (distance < window[1])
-    return np.abs(np.diff(down[part]) / np.diff(distance[part])).max()
-
-
-def put_envelope(name, distance, down, window, numbers, lines):
-    """The largest downward displacement of the rail over the distance from the bridge, m."""
-    order = np.argsort(distance)
-    distance, down = distance[order], down[order]
-    numbers.put(name, "steepest change along the rail", steepest(distance, down, window), "mm/m")
-    part = (distance > -10) & (distance < 45)
-    if name in DRAWN:
-        lines.put("envelope", name, distance[part], down[part])
-
-
-def change(numbers, run, other, quantity):
-    """Of a quantity, from `run` to `other`, relative."""
-    return numbers(other, quantity) / numbers(run, quantity) - 1
-
-
-def own_weight(factor):
-    """mm, by which sleepers of `factor` times the mass sink into a plane ground of embankment under
-    their own weight: a uniform pressure on a layer that cannot expand along the track."""
-    fill_of = LAYERS["embankment"]
-    pressure = factor * SLEEPER / 2 * 9.81 / (DECK["track"]["spacing"] * DECK["thickness"])
-    return 1e3 * pressure * DEPTH * (1 - fill_of["poisson"]**2) / fill_of["young"]
-
-
-def resonance(numbers, factor):
-    """Hz, of half a sleeper of `factor` times the mass between pad and ballast in series with a
-    plane ground of embankment, whose stiffness is seat force over displacement."""
-    run = "plane_same_width_fill_1"
-    ground = 1e6 * numbers(run, f"seat force, {FAR}") / numbers(run, f"ground, {FAR}")  # kN, mm
-    below = 1 / (1 / DECK["ballast"]["stiffness"] + 1 / ground)
-    return math.sqrt((DECK["pad"]["stiffness"] + below) / (factor * SLEEPER / 2)) / (2 * math.pi)
-
-
-def dynamic(numbers, factor):
-    """Relative difference of a displacement at the frequency of the axles to a static one."""
-    ratio = SPEED / WHEELBASE / resonance(numbers, factor)
-    return 1 / (1 - ratio**2) - 1
+            figures = {figure for figure, names in (("envelope", DRAWN), ("histogram", cases),
+                                                    ("history", OVER_TIME)) if run.name in names}
+            measure_ground(run.name, folder / run.name, numbers, lines, figures,
+                           alone.get(run.name))
+        numbers.put(run.name, "wall_time", float(summary(folder / run.name, "wall_time_s")), "s")
+    for point in (NEAR, FAR):
+        for title, (one, other) in COMPARED.items():
+            numbers.put(title, f"record in other bins, {point}",
+                        moved(lines, f"histogram, {point}", one, other), "%")
+        numbers.put(UNLOADED, f"record in other bins, {point}",
+                    moved(lines, f"histogram from the unloaded ground, {point}",
+                          "plane_same_width_fill_1", "plane_same_width_fill_2"), "%")
 
 
 ABOUT = 0.15  # relative, of values that the report gives as "about" and shows as curves

@@ -4,9 +4,10 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from .netirail import (CONVERGENCE, EXPERIMENTS, FAR, GEOMETRIES, MASSES,  # noqa: E402
-                       MEASURES, NEAR, OPEN, SPEED, WEDGES, WHEELBASE, change, dynamic,
-                       own_weight, resonance)
+from .netirail import CONVERGENCE, EXPERIMENTS, GEOMETRIES, MASSES  # noqa: E402
+from .netirail import MEASURES, OPEN, WEDGES  # noqa: E402
+from .netirail_measure import FAR, NEAR, SPEED, WHEELBASE, change, dynamic  # noqa: E402
+from .netirail_measure import own_weight, resonance  # noqa: E402
 from .study import COLOURS, as_file, heading, percent, save, table  # noqa: E402
 
 TITLE = "netirail: a train from a bridge to an embankment"

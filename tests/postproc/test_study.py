@@ -15,7 +15,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "jobs"))
 import launch  # noqa: E402
 import study  # noqa: E402
 from studies import (chen, chen_runs, chen_targets, demfem, demfem_model,  # noqa: E402
-                     demfem_targets, netirail, netirail_document, shi)
+                     demfem_targets, netirail, netirail_document, netirail_measure, shi)
 from studies.study import (Lines, Numbers, Run, Target, counted, reflowed,  # noqa: E402
                            targets_table)
 
@@ -105,7 +105,8 @@ def test_wide_sleepers_have_the_spring_of_the_deck_formula():
 def test_the_steepest_change_is_that_within_the_window():
     x = np.arange(0, 10, 0.5)
     down = np.where(x < 3, 0, 1) + np.where(x < 8, 0, 5)
-    assert netirail.steepest(x, down, (-1, 7)) == 2 and netirail.steepest(x, down, (-1, 11)) == 10
+    assert netirail_measure.steepest(x, down, (-1, 7)) == 2
+    assert netirail_measure.steepest(x, down, (-1, 11)) == 10
 
 
 def test_the_document_states_what_the_numbers_say():
@@ -121,9 +122,20 @@ def test_the_document_states_what_the_numbers_say():
     assert words in " ".join(after.split()) and words not in " ".join(before.split())
 
 
+def test_the_part_of_a_record_in_other_bins_and_its_power_below_a_frequency():
+    lines = Lines()
+    for name, values in (("one", [0.01] * 3 + [-0.52]), ("other", [0.01, -0.52, -0.52, -0.52])):
+        netirail_measure.put_histogram("histogram", name, np.array(values), lines)
+    assert netirail_measure.moved(lines, "histogram", "one", "one") == 0
+    assert netirail_measure.moved(lines, "histogram", "one", "other") == pytest.approx(50)
+    time = np.arange(1000) * 1e-3
+    record = 5 + 3 * np.sin(2 * np.pi * 10 * time) + np.sin(2 * np.pi * 50 * time)
+    assert netirail_measure.power_below(record, time, 20) == pytest.approx(0.9)
+
+
 def test_own_weight_on_a_plane_layer():
     # 157.5 kg on 0.6 x 6.5 m: 396 Pa on 9 m of 80 MPa / (1 - 0.09).
-    assert netirail.own_weight(1) == pytest.approx(0.0405, abs=1e-4)
+    assert netirail_measure.own_weight(1) == pytest.approx(0.0405, abs=1e-4)
 
 
 def test_works_are_done_after_those_before_them_and_never_in_more_slots_than_given():
