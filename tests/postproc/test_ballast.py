@@ -68,6 +68,20 @@ def test_void_is_found_where_there_is_one(void):
     assert found.value["void"] == pytest.approx(void, abs=4 * found.deviation["void"])
 
 
+def test_void_that_fits_worse_does_not_change_the_other_values():
+    class Lifting(Beam):
+        """Springs with a gap do not pull: the sleeper is lifted farther."""
+        def displacement(self, value):
+            x, found = super().displacement(value)
+            return x, found + (5 * np.maximum(found, 0) if value["void"] > 0 else 0)
+    signal, free = signal_of({"inside": 20e6, "outside": 20e6}), ("outside", "inside", "void")
+    found, _ = ballast.calibrate(signal, RATE, Lifting(), free)
+    without, _ = ballast.calibrate(signal, RATE, Lifting(), free[:2])
+    assert found.gain < 0 and not found.has_void
+    assert found.value == without.value and found.value["void"] == 0
+    assert found.misfit == without.misfit and found.deviation["void"] > 0
+
+
 def test_what_cannot_be_fitted_is_refused(tmp_path):
     with pytest.raises(read.Unreadable, match="the parameters are outside"):
         ballast.calibrate(signal_of({"inside": 2e7, "outside": 2e7}), RATE, Beam(), ("density",))

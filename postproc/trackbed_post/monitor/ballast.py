@@ -45,7 +45,9 @@ class Ballast:
     """Values and standard deviations by NAMES (N/m of one rail seat; m), those that were fitted;
     root mean square of the weighted residuals: 1 and less if the model explains the signal; by how
     much a void has reduced the sum of their squares; displacement that was fitted and that of the
-    model, m, over the position of the first wheel."""
+    model, m, over the position of the first wheel. The reduction may be negative, as springs
+    without a gap also pull, but those with the smallest gap do not; then the void is 0, and the
+    other values are those of the fit without one."""
     value: dict
     deviation: dict
     misfit: float
@@ -246,4 +248,9 @@ def calibrate(acceleration, rate, track, free=NAMES, doubtful=None, noise=None):
     fit = Fit(track, found, rate, list(free))
     best = min((fit.solved(sound.values(done.x) | {"void": void}) for void in VOIDS),
                key=lambda one: one.cost)
-    return fit.ballast(best, gain=2 * (done.cost - best.cost)), found
+    hanging = fit.ballast(best, gain=2 * (done.cost - best.cost))
+    if hanging.gain >= 0:
+        return hanging, found
+    sound = sound.ballast(done)
+    deviation = {name: sound.deviation.get(name, hanging.deviation[name]) for name in free}
+    return dataclasses.replace(sound, deviation=deviation, gain=hanging.gain), found
