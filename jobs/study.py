@@ -125,9 +125,9 @@ def document_of(name, numbers):
     times = [value for (_, quantity), (value, _) in numbers.rows.items()
              if quantity == "wall_time"]
     summary = text.summary(numbers) if hasattr(text, "summary") else ""
-    targets = study.targets(numbers)
-    head = HEAD.format(title=text.TITLE, source=text.SOURCE, criterion=text.CRITERION,
-                       summary=summary,
+    targets, criterion = study.targets(numbers), text.CRITERION
+    head = HEAD.format(title=text.TITLE, source=text.SOURCE, summary=summary,
+                       criterion=criterion(numbers) if callable(criterion) else criterion,
                        command=numbers.about["command"], runs=len(times), minutes=sum(times) / 60,
                        cores=numbers.about["machine"], version=numbers.about["version"],
                        counted=counted(targets),

@@ -11,6 +11,7 @@ import numpy as np
 
 import launch
 
+from . import crossing_places as places
 from .study import INPUTS, Run, Target
 
 from trackbed_post import measured, read  # noqa: I001 (found by .study)
@@ -21,10 +22,6 @@ DECK, SCAN = "track/crossing_panel.toml", "track/crossing_scan.py"
 PADS = {"60E": 60e6, "UIC60": 1200e6}  # N/m
 ORIGINS = {"facing": 17.0, "trailing": 19.0}  # m, x of the scan's origin in the track
 WHEELS = {"s1002": "S1002", "s1002:hollow:1": "hollow, 1 mm", "s1002:hollow:2": "hollow, 2 mm"}
-# Location, name, design and direction of travel: Table 1 of the thesis.
-PANELS = (("Höör", "21B", "60E", "trailing"), ("Höör", "22A", "60E", "facing"),
-          ("Stehag", "21A", "UIC60", "facing"), ("Stehag", "21B", "UIC60", "facing"),
-          ("Vätteryd", "102", "UIC60", "trailing"), ("Vätteryd", "131", "UIC60", "facing"))
 CASES = tuple((design, move) for design in PADS for move in ORIGINS)
 
 
@@ -82,11 +79,16 @@ def runs(chosen):
             for design, move in chosen for wheel in WHEELS]
 
 
+def surface_of(folder, move, wheel):
+    """(x, z), m, of a path."""
+    return np.loadtxt(folder / file_of(move, wheel), delimiter=",", skiprows=1).T
+
+
 def measure(folder, chosen, seeds, passage_of, numbers, lines):
     """`passage_of`: the Passage of a folder. Errors of force and irregularity with 0.1 % noise."""
     for move in dict.fromkeys(move for _, move in chosen):
         for wheel, title in WHEELS.items():
-            x, z = np.loadtxt(folder / file_of(move, wheel), delimiter=",", skiprows=1).T
+            x, z = surface_of(folder, move, wheel)
             lines.put("scanned_paths", f"{move}, {title}", x, 1e3 * z)
             path = contact.Path(wheel, x, z, np.zeros(len(x)))
             numbers.put(f"path_{move}_{wheel}", "depth", -1e3 * z.min(), "mm")
@@ -97,32 +99,46 @@ def measure(folder, chosen, seeds, passage_of, numbers, lines):
             run = name_of(design, move, wheel)
             passage = passage_of(folder / run)
             numbers.put(run, "largest force", 1e-3 * passage.largest_force(), "kN")
+            numbers.put(run, "static force", 1e-3 * kernel.wheels.load[0], "kN")
             numbers.put(run, "indicator", indicators.indicator(passage.acceleration, 5000.0, 50.0),
                         "m/s2")
-            x, z = np.loadtxt(folder / file_of(move, wheel), delimiter=",", skiprows=1).T
-            peaks, heights, places = [], [], []
-            for seed in range(seeds):
-                try:
-                    forces, came, _ = inverse.evaluate(passage.noisy(1e-3, seed), kernel, 50.0)
-                except read.Unreadable:  # the place of the train is not found
-                    peaks, heights, places = ([*of, np.inf] for of in (peaks, heights, places))
-                    continue
-                surface = inverse.irregularity(forces, kernel, 50.0)
-                near = [passage.near(k, (forces.x[0], forces.x[-1])) for k in (0, 1)]
-                peaks += [100 * abs(force.max() / passage.force[rows, k].max() - 1)
-                          for k, (force, rows) in enumerate(zip(forces.force, near))]
-                true = np.interp(surface.x, x, z)
-                heights.append(100 * np.abs(surface.height - true).max() / -z.min())
-                places.append(100 * abs(came.start - passage.x[0, 0]))
-                if seed == 0 and wheel == "s1002":
-                    lines.put("scanned_surface", f"{design}, {move}, identified", surface.x,
-                              1e3 * surface.height)
-                    lines.put("scanned_surface", f"{design}, {move}, true", surface.x, 1e3 * true)
-            for what, values, unit in (("the largest force", peaks, "%"),
-                                       ("the irregularity", heights, "%"),
-                                       ("the place", places, "cm")):
-                numbers.put(run, f"error of {what}, median", np.median(values), unit)
-                numbers.put(run, f"error of {what}, worst", max(values), unit)
+            x, z = surface_of(folder, move, wheel)
+            drawn = f"{design}, {move}" if wheel == "s1002" else ""
+            measure_errors(passage, kernel, run, (x, z), seeds, drawn, numbers, lines)
+            places.measure_causes(passage, kernel, run,
+                                  lambda at, x=x, z=z: np.interp(at, x, z), -z.min(), numbers)
+
+
+def measure_errors(passage, kernel, run, path, seeds, drawn, numbers, lines):
+    """Of all seeds; a passage that is refused counts as an infinite error. `drawn`: name of the
+    lines of the first seed."""
+    peaks, dynamic, heights, starts, refused = [], [], [], [], 0
+    for seed in range(seeds):
+        try:
+            forces, came, _ = inverse.evaluate(passage.noisy(1e-3, seed), kernel, 50.0)
+        except read.Unreadable:  # the place of the train is not found
+            refused += 1
+            for of, count in ((peaks, 2), (dynamic, 2), (heights, 1), (starts, 1)):
+                of += count * [np.inf]
+            continue
+        surface = inverse.irregularity(forces, kernel, 50.0)
+        for wheel, (force, load) in enumerate(zip(forces.force, kernel.wheels.load)):
+            true = passage.force[passage.near(wheel, (forces.x[0], forces.x[-1])), wheel].max()
+            peaks.append(100 * abs(force.max() / true - 1))
+            dynamic.append(100 * abs(force.max() - true) / (true - load))
+        true = np.interp(surface.x, *path)
+        heights.append(100 * np.abs(surface.height - true).max() / -path[1].min())
+        starts.append(100 * abs(came.start - passage.x[0, 0]))
+        if seed == 0 and drawn:
+            lines.put("scanned_surface", f"{drawn}, identified", surface.x, 1e3 * surface.height)
+            lines.put("scanned_surface", f"{drawn}, true", surface.x, 1e3 * true)
+    numbers.put(run, "refused seeds", refused, "-")
+    numbers.put(run, "seeds", seeds, "-")
+    for what, values, unit in (("the largest force", peaks, "%"),
+                               ("the dynamic force", dynamic, "%"),
+                               ("the irregularity", heights, "%"), ("the place", starts, "cm")):
+        numbers.put(run, f"error of {what}, median", np.median(values), unit)
+        numbers.put(run, f"error of {what}, worst", max(values), unit)
 
 
 def targets(n):

@@ -2,6 +2,8 @@
 (inputs/track/sensor.toml), whose support, settlement and wheel forces are known. The chain assumes
 a track on springs (inputs/track/sensor_alone.toml).
 """
+import dataclasses
+
 import h5py
 import numpy as np
 import scipy.signal
@@ -27,6 +29,7 @@ CASES = {"sound": (), "void of 0.3 mm": (LAST, VOID.format(gap=3e-4)),
          "soft subgrade": ("ground.layer.subgrade.young=75e6",)}
 EVERY_WINDOW = ("output.history_interval=0",)
 FREE = ("inside", "length", "dip")
+SMALLEST = 1e-7         # m, of a gap: the springs do not pull, but differ in nothing else
 
 
 def name_of(case):
@@ -68,14 +71,20 @@ class Record:
                                           round(FINE / RATE), padtype="line")
 
     def stiffness(self):
-        """Secant, N/m, of wavelengths that the calibration compares."""
-        speed = deck_of(DECK)["train"]["speed"]
-        down, up = (ballast.slow(one, speed / RATE) for one in (-self.displacement, self.reaction))
-        return (up[np.argmax(down)] - np.median(up[:int(MARGIN * RATE / 2)])) / down.max()
+        """N/m, of the stones below the sleeper."""
+        return secant(self.displacement, self.reaction, deck_of(DECK)["train"]["speed"] / RATE,
+                      int(MARGIN * RATE / 2))
 
     def largest_force(self, bounds):
         near = (self.x[:, 0] > bounds[0]) & (self.x[:, 0] < bounds[1])
         return self.force[near, 0].max()
+
+
+def secant(displacement, reaction, step, rest):
+    """N/m: change of the reaction, upwards, at the largest displacement, of wavelengths that the
+    calibration compares. `step`: m between samples; `rest`: number of the first ones, at rest."""
+    down, up = (ballast.slow(one, step) for one in (-displacement, reaction))
+    return (up[np.argmax(down)] - np.median(up[:rest])) / down.max()
 
 
 def measure(folder, program, numbers, lines):
@@ -94,10 +103,46 @@ def measure(folder, program, numbers, lines):
         found, moved = ballast.calibrate(acceleration, RATE, track, (*FREE, "void"), noise=size)
         numbers.put(run, "void", 1e3 * found.value["void"], "mm")
         numbers.put(run, "reduction of the sum of squares", found.gain, "-")
+        numbers.put(run, "rms of the acceleration", size / NOISE[0], "m/s2")
+        numbers.put(run, "deviation of the displacement", 1e3 * moved.peak[1], "mm")
+        measure_causes(track, record, softer_of(folder, program, track), run, numbers)
         thin = slice(0, None, 20)
         when = np.arange(len(record.displacement))[thin] / RATE
         lines.put("stones", f"{case}, true, mm", when, 1e3 * record.displacement[thin])
         lines.put("stones", f"{case}, reconstructed, mm", when, 1e3 * moved.displacement[thin])
+
+
+def softer_of(folder, program, track):
+    """The track with the damping that the deck of the stones gives to its springs."""
+    path, deck = folder / "sensor_alone_damping.toml", deck_of(ALONE)
+    own, other = (f"{one['ballast']['damping'] / 1e3:g}e3" for one in (deck, deck_of(DECK)))
+    path.write_text((INPUTS / ALONE).read_text("utf-8").replace(
+        f"damping = {own}", f"damping = {other}"), "utf-8")
+    return ballast.Track(program, path, track.sensor, track.speed)
+
+
+def measure_causes(track, record, softer, run, numbers):
+    """Stiffness, MN/m, if parts of the chain are exact or other ones, of one train."""
+    acceleration, size = noisy(record, NOISE[0], 0)
+    found, moved = ballast.calibrate(acceleration, RATE, track, FREE, noise=size)
+    x, model = track.displacement(found.value)
+    step = float(np.mean(np.diff(x)))
+    spring = -found.value["inside"] * model - deck_of(ALONE)["ballast"]["damping"] \
+        * np.gradient(model, step / track.speed)
+    exact = ballast.Fit(track, dataclasses.replace(moved, displacement=record.displacement), RATE,
+                        list(FREE))
+    done = exact.solved(exact.start)
+    gap = ballast.Fit(track, moved, RATE, [*FREE, "void"])
+    for what, void in (("no gap", 0.0), ("smallest gap", SMALLEST)):
+        left = gap.residuals(gap.unknown(found.value | {"void": void}))
+        numbers.put(run, f"sum of squares, {what}", np.sum(left**2), "-")
+    less, _ = ballast.calibrate(acceleration, RATE, softer, FREE, noise=size)
+    for what, value in (("true", record.stiffness()), ("found", found.value["inside"]),
+                        ("secant of the fitted model",
+                         secant(model, spring, step, int(MARGIN * track.speed / step / 2))),
+                        ("from the true displacement", exact.values(done.x)["inside"]),
+                        ("with the damping of the springs", less.value["inside"])):
+        numbers.put(run, f"stiffness, one train, {what}", 1e-6 * value, "MN/m")
 
 
 def noisy(record, noise, seed):
@@ -117,11 +162,13 @@ def measured(folder, track, record, noise, seed):
     forces, *_ = inverse.evaluate(acceleration, kernel, track.speed, known_noise=size,
                                   refined=False, likeness=0.0)
     bounds = (track.sensor + inverse.RANGE[0], track.sensor + inverse.RANGE[1])
+    load, largest = kernel.wheels.load[0], record.largest_force(bounds)
     return {"displacement": (np.abs(moved.displacement - record.displacement).max() + deepest,
                              deepest),
             "settlement": (moved.settlement[0], record.settlement),
             "stiffness": (found.value["inside"], record.stiffness()),
-            "largest force": (forces.force[0].max(), record.largest_force(bounds))}
+            "largest force": (forces.force[0].max(), largest),
+            "dynamic force": (forces.force[0].max() - load, largest - load)}
 
 
 def kernel_of(folder, track, found):
@@ -131,7 +178,8 @@ def kernel_of(folder, track, found):
     return greens.load(path)
 
 
-UNITS = {"settlement": ("mm", 1e3), "stiffness": ("MN/m", 1e-6), "largest force": ("kN", 1e-3)}
+UNITS = {"settlement": ("mm", 1e3), "stiffness": ("MN/m", 1e-6), "largest force": ("kN", 1e-3),
+         "dynamic force": ("kN", 1e-3)}
 
 
 def put(numbers, run, noise, found):
@@ -140,12 +188,18 @@ def put(numbers, run, noise, found):
         for place, name in enumerate(("found", "true")):
             numbers.put(run, f"{quantity}, {name}, {words}",
                         factor * np.mean([one[quantity][place] for one in found]), unit)
-    for quantity in ("displacement", "stiffness", "largest force"):
+            for train, one in enumerate(found):
+                numbers.put(run, f"{quantity}, {name}, {words}, train {train + 1}",
+                            factor * one[quantity][place], unit)
+    largest, dynamic = (found[0][name][1] for name in ("largest force", "dynamic force"))
+    numbers.put(run, "static force", 1e-3 * (largest - dynamic), "kN")
+    for quantity in ("displacement", "stiffness", "largest force", "dynamic force"):
         errors = [100 * abs(one[quantity][0] / one[quantity][1] - 1) for one in found]
         numbers.put(run, f"error of {quantity}, {words}, worst", max(errors), "%")
 
 
 def targets(n):
+    """Of the worse of two trains."""
     limits = (("displacement", 5), ("stiffness", 10), ("largest force", 10))
     found = []
     for case in CASES:

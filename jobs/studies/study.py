@@ -7,7 +7,8 @@ A study NAME is a module NAME with
     derive(numbers, lines)       (optional) adds Numbers that the Lines give
     targets(numbers)             Targets, with values that the numbers give
 and a module NAME_document with
-    TITLE, SOURCE, CRITERION     of the document; when a target counts as reproduced
+    TITLE, SOURCE, CRITERION     of the document; when a target counts as reproduced (a text, or
+                                 a function of numbers)
     summary(numbers)             (optional) what was found, in a few items
     document(numbers)            its text after the targets
     figures(numbers, lines, folder)   draws what it shows
@@ -173,13 +174,15 @@ def percent(ratio):
 def figure_of(target):
     """Our value, with the range over packings or the standard error."""
     def text(value):
+        if value == float("inf"):
+            return "refused"
         return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
     found = text(target.ours)
     if len(target.each) > 1:
         found += f" ({text(min(target.each))} to {text(max(target.each))})"
     elif target.error:
         found += f" +- {target.error:.2g}"
-    return f"{found} {target.unit}".rstrip()
+    return found if found == "refused" else f"{found} {target.unit}".rstrip()
 
 
 def targets_table(targets):
