@@ -90,6 +90,7 @@ def prepared(name, *words, start):
 
 # Maps of the velocity when the first axle is here, m: field files at each metre of the train.
 AXLE_AT = (2, 8, 15)
+MAPPED = {"velocity": (1e3, "mm/s"), "acceleration": (1 / GRAVITY, "g")}  # factor and unit
 
 
 def maps(design):
@@ -480,8 +481,18 @@ def cells(points, velocity, width, height):
     return (found + 0.5) * (width, height), total / np.bincount(cell)[:, None]
 
 
+def places(data, part):
+    """x and z, m, of what a field file has velocities of: the middle of a stone's points, or the
+    nodes of the ground, of which those of the surface belong to the cells below it."""
+    points = data["Points"][()][:, [0, 2]]
+    if part == "ground":
+        return points - 1e-6
+    first = data["Offsets"][()]
+    return np.add.reduceat(points[data["Connectivity"][()]], first[:-1]) / np.diff(first)[:, None]
+
+
 def measure_maps(name, place, numbers, lines):
-    """Velocity, mm/s, of stones and ground in cells, and the fastest of them."""
+    """Velocity, mm/s, and acceleration, g, of stones and ground in cells, and the largest."""
     run = read.results(place)
     begin = run.time[run.passage().start]
     for at in AXLE_AT:
@@ -490,16 +501,18 @@ def measure_maps(name, place, numbers, lines):
                                    ("ground", "PointData", (1, 0.8))):
             file = min(read.series(place, part), key=lambda each: abs(each[0] - instant))[1]
             with h5py.File(file) as data:
-                where = data["VTKHDF/Points"][()][:, [0, 2]]
-                velocity = 1e3 * data[f"VTKHDF/{values}/velocity"][()][:, [0, 2]]
-            if part == "ground":
-                where = where - 1e-6  # the nodes of the surface belong to the cells below it
-            centre, means = cells(where, velocity, *size)
+                where = places(data["VTKHDF"], part)
+                moving = {what: factor * data[f"VTKHDF/{values}/{what}"][()][:, [0, 2]]
+                          for what, (factor, _) in MAPPED.items()}
+            for what, vectors in moving.items():
+                centre, means = cells(where, vectors, *size)
+                lines.put(f"map {at} m", f"{name}, {part} {what}", *means.T)
+                most = np.linalg.norm(means, axis=1)
+                numbers.put(name, f"largest {what} of cells of {part}, axle at {at} m", most.max(),
+                            MAPPED[what][1])
+                numbers.put(name, f"x of the largest {what}, {part}, axle at {at} m",
+                            centre[np.argmax(most), 0], "m")
             lines.put(f"map {at} m", f"{name}, {part} at", *centre.T)
-            lines.put(f"map {at} m", f"{name}, {part} velocity", *means.T)
-            speed = np.linalg.norm(means, axis=1)
-            numbers.put(name, f"fastest cell of {part}, axle at {at} m", speed.max(), "mm/s")
-            numbers.put(name, f"x of it, {part}, axle at {at} m", centre[np.argmax(speed), 0], "m")
 
 
 def change(numbers, run, other, quantity):
@@ -665,7 +678,7 @@ def ballast_targets(n):
             "soft", "decrease", float(np.mean(change_of)), "%", holds=max(change_of) < 0,
             each=change_of, see=SLEEPERS_SECTION))
     if n.has("maps_none"):
-        speeds = [n("maps_none", f"fastest cell of ground, axle at {at} m") for at in AXLE_AT]
+        speeds = [n("maps_none", f"largest velocity of cells of ground, axle at {at} m") for at in AXLE_AT]
         found.append(Target(
             f"largest velocity of the ground, first axle at {AXLE_AT[-1]} m over at {AXLE_AT[0]} "
             "m, without wedge", "soft", "increases", speeds[-1] / speeds[0], "",

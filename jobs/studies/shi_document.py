@@ -7,7 +7,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 from . import shi_space_document  # noqa: E402
 from .shi import (AXLE_AT, BOUNDARIES, CONVERGENCE, DECAY, DECK, DESIGNS, EDGE,  # noqa: E402
-                  FIXED, FULL_FRICTION, KEPT, LOAD, LOADED, MANY_TRAINS, MEAN_STRESS, OPEN,
+                  FIXED, FULL_FRICTION, KEPT, LOAD, LOADED, MANY_TRAINS, MAPPED, MEAN_STRESS, OPEN,
                   PACKINGS, PUBLISHED_STONES, S1, S2, SAMPLED, SHOWN_TRAINS, SPACING,
                   SPECTRAL_LINES, SPEEDS,
                   TITLES, TRAINED, WEDGES, WHEEL, cases, change, jump, jump_of_means,
@@ -354,8 +354,12 @@ def part_sleepers(n):
                                     ("the same, 100 values per second", SAMPLED))]
     moving = [(f"first axle at {at} m", *(cell(n, f"maps_{design}", f"{what}, axle at {at} m")
                                           for design in DESIGNS for what in
-                                          ("fastest cell of stones", "x of it, stones",
-                                           "fastest cell of ground", "x of it, ground")))
+                                          ("largest velocity of cells of stones",
+                                           "x of the largest velocity, stones",
+                                           "largest velocity of cells of ground",
+                                           "x of the largest velocity, ground",
+                                           "largest acceleration of cells of stones",
+                                           "largest acceleration of cells of ground")))
               for at in AXLE_AT]
     peaks = [(f"near v/({SPECTRAL_LINES[mark][0]})",
               *(span(n, design, f"{mark}, {what}") for design in DESIGNS
@@ -401,13 +405,17 @@ sampled 100 times per second. Largest accelerations after the low pass, g:
                    for what in ("smallest", "median", "largest"))], sampled)}
 {kinks}
 
-![Velocity of ballast and ground when the first axle is at three places](maps.png)
+![Velocity of ballast and ground when the first axle is at three places](maps_velocity.png)
 
-The arrows are mean velocities in cells of 0.6 x 0.2 m (stones) and 1 x 0.8 m (ground) of packing
-1{lost}; the fastest cells:
+![Acceleration of ballast and ground at the same instants](maps_acceleration.png)
+
+The arrows are means in cells of 0.6 x 0.2 m (stones) and 1 x 0.8 m (ground) of packing 1{lost}.
+Accelerations are those of an instant, without a low pass: contacts of loose stones at the surface
+of the bed vibrate. Largest means of cells:
 
 {table(["", *(f"{TITLES[design]}: {what}" for design in DESIGNS for what in
-              ("stones, mm/s", "at x, m", "ground, mm/s", "at x, m"))], moving)}"""
+              ("stones, mm/s", "at x, m", "ground, mm/s", "at x, m", "stones, g", "ground, g"))],
+       moving)}"""
 
 
 def part_preparation(n):
@@ -554,7 +562,6 @@ def part_missing():
 - Measured curves, which the study shows beside its own, and its deviations from them: they are
   figures.
 - A packing with stones of {PUBLISHED_STONES} kg/m3 as loose as the study's; sleepers of disks.
-- Maps of accelerations: fields hold velocities only.
 """
 
 
@@ -582,7 +589,8 @@ def figures(n, lines, folder):
     draw_histories(n, lines, folder)
     if full(n):
         draw_ground(lines, folder)
-        draw_maps(lines, folder)
+        for what in MAPPED:
+            draw_maps(lines, folder, what)
     if lines.of("space"):
         shi_space_document.draw(lines, folder)
 
@@ -689,20 +697,24 @@ def draw_histories(n, lines, folder):
     save(figure, folder / "histories.png")
 
 
-def draw_maps(lines, folder):
+SHOWN_MAPS = {"velocity": 20, "acceleration": 0.3}  # mm/s and g, where arrows end
+
+
+def draw_maps(lines, folder, what):
     figure, panels = plt.subplots(len(AXLE_AT), len(DESIGNS), figsize=(13, 9), sharex=True,
                                   sharey=True, layout="constrained")
+    end, unit = SHOWN_MAPS[what], MAPPED[what][1]
     for row, at in zip(panels, AXLE_AT):
         found = lines.of(f"map {at} m")
         for panel, design in zip(row, DESIGNS):
             x, z = (np.concatenate(both) for both in zip(
                 *(found[f"maps_{design}, {part} at"] for part in ("stones", "ground"))))
             along, up = (np.concatenate(both) for both in zip(
-                *(found[f"maps_{design}, {part} velocity"] for part in ("stones", "ground"))))
-            speed = np.hypot(along, up)
-            along, up = (of * np.minimum(1, 20 / np.maximum(speed, 1e-9)) for of in (along, up))
-            shown = panel.quiver(x, z, along, up, speed, cmap="viridis", width=0.002,
-                                 angles="xy", scale=250, clim=(0, 20))
+                *(found[f"maps_{design}, {part} {what}"] for part in ("stones", "ground"))))
+            size = np.hypot(along, up)
+            along, up = (of * np.minimum(1, end / np.maximum(size, 1e-9)) for of in (along, up))
+            shown = panel.quiver(x, z, along, up, size, cmap="viridis", width=0.002,
+                                 angles="xy", scale=12.5 * end, clim=(0, end))
             panel.plot([at], [0.7], "kv", ms=7)
             panel.axvspan(0, EDGE, color="0.9", lw=0, zorder=0)
             panel.set_title(f"{TITLES[design]}, first axle at {at} m", fontsize=9)
@@ -710,9 +722,9 @@ def draw_maps(lines, folder):
                 panel.set_ylabel("z, m")
     for panel in panels[-1]:
         panel.set_xlabel("x, m (grey: structure)")
-    figure.colorbar(shown, ax=panels, label="velocity, mm/s (arrows end at 20)", shrink=0.6,
+    figure.colorbar(shown, ax=panels, label=f"{what}, {unit} (arrows end at {end:g})", shrink=0.6,
                     extend="max")
-    save(figure, folder / "maps.png")
+    save(figure, folder / f"maps_{what}.png")
 
 
 def draw_ground(lines, folder):
