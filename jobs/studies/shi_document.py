@@ -101,8 +101,8 @@ def support_of_sleepers(n):
                for design in DESIGNS)
     passages = 2 * len(PACKINGS)
     if lost:
-        return f"""In {lost} of {passages} passages sleepers lost their support (residual settlement
-  up to {deepest:.0f} mm): results of single sleepers and nodes are not converged."""
+        return f"""In {lost} of {passages} passages a sleeper lost its support (residual settlement
+  up to {deepest:.1f} mm); accelerations leave them out."""
     rough = max(n(f"stones_{design}_{as_file(FULL_FRICTION)}", "kept, most") for design in DESIGNS)
     return f"""The bed is stable, as the study's: in {passages} passages no sleeper goes down for
   good by more than {deepest:.2g} mm. Loads on all sleepers prepared it with a friction of

@@ -55,12 +55,12 @@ enum class BlockRole { automatic, structure, measure };
 
 struct Block {
   std::string name;
-  BlockRole role = BlockRole::automatic;  // has no effect on a run
   bool present = true;
   std::vector<double> outline;  // m, x and z of each corner in turn; z = 0 is the top
   Elastic solid;
   Strength strength = {};
-  std::vector<double> y = {};  // m, from and to; empty: the whole width of the ground
+  std::vector<double> y = {};             // m, from and to; empty: the whole width of the ground
+  BlockRole role = BlockRole::automatic;  // has no effect on a run
   std::vector<double> upright_sides() const;  // m, x of each
   void declare(input::Section& s);
 };
