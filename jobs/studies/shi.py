@@ -663,7 +663,8 @@ def sleeper_targets(n):
         found.append(Target("largest acceleration of sleeper S2 over that of S1, with wedge",
                             "soft", "slightly above 1 (ours: below 1.5)",
                             float(np.mean(ratio)), "",
-                            holds=min(ratio) > 1 and max(ratio) < 1.5, each=tuple(ratio), see=SLEEPERS_SECTION))
+                            holds=min(ratio) > 1 and max(ratio) < 1.5, each=tuple(ratio),
+                            see=SLEEPERS_SECTION))
     return found
 
 
@@ -679,7 +680,8 @@ def ballast_targets(n):
             "soft", "decrease", float(np.mean(change_of)), "%", holds=max(change_of) < 0,
             each=change_of, see=SLEEPERS_SECTION))
     if n.has("maps_none"):
-        speeds = [n("maps_none", f"largest velocity of cells of ground, axle at {at} m") for at in AXLE_AT]
+        speeds = [n("maps_none", f"largest velocity of cells of ground, axle at {at} m")
+                  for at in AXLE_AT]
         found.append(Target(
             f"largest velocity of the ground, first axle at {AXLE_AT[-1]} m over at {AXLE_AT[0]} "
             "m, without wedge", "soft", "increases", speeds[-1] / speeds[0], "",
