@@ -90,5 +90,15 @@ def test_spectra_are_without_the_ends(runs):
 def test_settlements_at_the_ends_are_not_in_their_mean():
     one = test_transition.train(7.8)
     one.passing.left[[0, 2, -1]] -= 5e-3
-    mean, largest = (of(one) for _, of in transition.OF_TRAINS[1:])
+    mean, largest = (of(one) for _, of in transition.OF_TRAINS[1:3])
     assert (mean, largest) == pytest.approx((0.1, 0.1))
+
+
+def test_levels_before_the_train_are_those_of_the_highest_and_the_lowest_sleeper():
+    one = test_transition.train(7.8)
+    of = dict(transition.OF_TRAINS)["difference of the sleepers' levels before the train, "
+                                    "largest, mm"]
+    even = of(one)
+    one.passing.displacement[:, 1] -= 5e-3
+    one.passing.displacement[:, 4] += 16e-3
+    assert (even, of(one)) == pytest.approx((0, 21))
