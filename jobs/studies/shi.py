@@ -11,7 +11,6 @@ import h5py
 import numpy as np
 import scipy.optimize
 
-from . import shi_space
 from .shi_decks import (ALONE, DECK, DESIGNS, EDGE, FILTER, GRAVITY, GROUND, LOAD, NO_WEDGE, SHORT,
                         SPACING, STONES, TITLES, filtered_acceleration)
 from .study import Lines, Run, Target, as_file, deck_of, summary
@@ -193,7 +192,8 @@ def ground(name, design, *words):
 
 
 def runs(form, ranks):
-    found = []  # on one rank: runs side by side use several better than one run on all of them
+    del ranks  # runs side by side use them better than one run on all of them
+    found = []
     if form == "short":
         words = (f"material.ballast.density={DECK['material'][0]['density']}",
                  sensors(deck_of(SHORT)))
@@ -210,8 +210,7 @@ def runs(form, ranks):
                   for group in (BOUNDARIES, OPEN, CONVERGENCE) for name, words in group.items()]
         found += [ground(f"{kmh} km/h", design, *at_speed(kmh)) for kmh in SPEEDS]
         found += [ground(LOADED, design, *VEHICLE), ground(SAMPLED, design, *TABLE)]
-    found += [ground(name, "wedge", *words) for name, words in WEDGES.items()]
-    return found + shi_space.runs(ranks)
+    return found + [ground(name, "wedge", *words) for name, words in WEDGES.items()]
 
 
 def measure(form, folder, numbers, lines):
@@ -223,8 +222,6 @@ def measure(form, folder, numbers, lines):
             surfaces[run.name] = measure_ground(run.name, place, numbers, lines)
         elif run.name.startswith("maps"):
             measure_maps(run.name, place, numbers, lines)
-        elif run.name in shi_space.names():
-            shi_space.measure(run.name, place, numbers, lines)
         else:
             surfaces[run.name] = measure_stones(run.name, place, numbers, lines)
         numbers.put(run.name, "wall_time", float(summary(place, "wall_time_s")), "s")

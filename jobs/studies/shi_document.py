@@ -5,7 +5,6 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from . import shi_space_document  # noqa: E402
 from .shi import (AXLE_AT, BOUNDARIES, CONVERGENCE, DECAY, DECK, DESIGNS, EDGE,  # noqa: E402
                   FIXED, FULL_FRICTION, KEPT, LOAD, LOADED, MANY_TRAINS, MAPPED, MEAN_STRESS, OPEN,
                   PACKINGS, PUBLISHED_STONES, S1, S2, SAMPLED, SHOWN_TRAINS, SPACING,
@@ -45,8 +44,6 @@ def document(n):
     if full(n):
         text += [part_displacements(n), part_boundaries(n), part_sleepers(n), part_preparation(n),
                  part_speeds(n), part_wedges(n), part_vehicle(n), part_convergence(n)]
-    if n.has("space_none_1"):
-        text.append(shi_space_document.part(n))
     return "".join(text) + part_missing()
 
 
@@ -562,6 +559,7 @@ def part_missing():
 - Measured curves, which the study shows beside its own, and its deviations from them: they are
   figures.
 - A packing with stones of {PUBLISHED_STONES} kg/m3 as loose as the study's; sleepers of disks.
+- Not in the study, and not done: a part in three dimensions with angular stones.
 """
 
 
@@ -591,8 +589,6 @@ def figures(n, lines, folder):
         draw_ground(lines, folder)
         for what in MAPPED:
             draw_maps(lines, folder, what)
-    if lines.of("space"):
-        shi_space_document.draw(lines, folder)
 
 
 def draw_surface(n, lines, folder):
