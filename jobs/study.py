@@ -207,7 +207,7 @@ def repeat(program, name, form, folder):
 def wrong(targets):
     """Hard and main targets whose value has not the published sign."""
     return [target.what for target in targets
-            if target.kind != "soft" and target.sign is not None and not target.sign]
+            if target.kind in ("hard", "main") and target.sign is not None and not target.sign]
 
 
 def main():

@@ -71,7 +71,8 @@ def speeds_in_short(n):
             for tonnes in LOADS for kmh in SPEEDS]
     differ = np.ptp(of(n, 25, "settlement, sleeper 3"))
     return f"""- From 60 to 150 km/h (packing {PACKINGS[0]}) fragments increase by
-  {faster(n, 20, "corners broken"):.0f} % under 20 t (published 63), the mean speed of stones by
+  {faster(n, 20, "corners broken"):.0f} % under 20 t (published 63), the mean speed of
+  {moving(n)} by
   {faster(n, 25, speed_of_stones(n)):.0f} % under 25 t (published 102).
 - In one packing sleeper 3 settles {min(down):.1f} to {max(down):.1f} mm over all loads and speeds;
   between packings it differs by {differ:.1f} mm at 25 t. One packing therefore cannot show the

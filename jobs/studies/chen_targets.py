@@ -118,8 +118,11 @@ def held(what, kind, published, each, unit, limit, larger=True, **more):
     mean."""
     each = tuple(map(float, np.ravel(each)))
     mean = float(np.mean(each))
-    return Target(what, kind, published, mean, unit, sign=(mean > limit) == larger,
-                  holds=all((value > limit) == larger for value in each), each=each, **more)
+
+    def beyond(value):
+        return value > limit if larger else value < limit
+    return Target(what, kind, published, mean, unit, sign=beyond(mean),
+                  holds=all(map(beyond, each)), each=each, **more)
 
 
 def targets_of_load(numbers):

@@ -116,8 +116,10 @@ def softer_of(folder, program, track):
     """The track with the damping that the deck of the stones gives to its springs."""
     path, deck = folder / "sensor_alone_damping.toml", deck_of(ALONE)
     own, other = (f"{one['ballast']['damping'] / 1e3:g}e3" for one in (deck, deck_of(DECK)))
-    path.write_text((INPUTS / ALONE).read_text("utf-8").replace(
-        f"damping = {own}", f"damping = {other}"), "utf-8")
+    text = (INPUTS / ALONE).read_text("utf-8")
+    if text.count(f"damping = {own}") != 1:
+        raise ValueError(f"{ALONE} does not state damping = {own} once")
+    path.write_text(text.replace(f"damping = {own}", f"damping = {other}"), "utf-8")
     return ballast.Track(program, path, track.sensor, track.speed)
 
 

@@ -28,12 +28,12 @@ def within(n, what, run, quantity, limit, kind="main", unit="%", see=""):
     """An error that is to be below a limit of ours."""
     value = n(run, quantity)
     return Target(what, kind, f"{OURS} below {limit:g} {unit}", value, unit, holds=value < limit,
-                  sign=value < limit if kind != "soft" else None, see=see)
+                  see=see)
 
 
 def of_kernel(n):
     late = n("kernel", "largest response after 0.03 s")
-    return [Target("spacing of the Green's functions at 50 m/s and 5 kHz", "hard", "1 cm",
+    return [Target("spacing of the Green's functions at 50 m/s and 5 kHz", "input", "1 cm",
                    n("kernel", "spacing"), "cm", value=1.0, close=1e-6),
             Target("largest response after 0.03 s, of the largest", "soft", "almost none", late,
                    "%", holds=late < 10)]

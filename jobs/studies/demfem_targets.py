@@ -201,7 +201,7 @@ def ground_targets(n):
                sign=rise > 1, see=ALONE),
         Target("mean compression at the stiff end over that at the soft end, ground alone", "soft",
                "similar", levels[1] / levels[0], "", 1, CLOSE, see=ALONE),
-        Target("distance of the peaks of the compression, ground alone", "soft", "0.6 m",
+        Target("distance of the peaks of the compression, ground alone", "input", "0.6 m",
                n(GROUND_RUN, "compression, median distance of peaks"), "m", 0.6, CLOSE, see=ALONE)]
 
 

@@ -89,7 +89,7 @@ def every(results: read.Results) -> list[Block]:
     """All blocks of a run's ground in the order of the deck. Those that are present have no other
     ones below them; those that are not have the role that they would have."""
     found = [_block(block) for block in results.deck.get("ground", {}).get("block", [])]
-    stiff = [block for block in found if block.stiff]
+    stiff = [block for block in found if block.stiff and block.role == "auto"]
     there = _structures([block for block in stiff if block.present], depth(results))
     all_present = _structures(stiff, depth(results))
     return [dataclasses.replace(
@@ -197,7 +197,8 @@ def measures_of(results: read.Results) -> list[Block]:
 
 def shallow(results: read.Results) -> str:
     """What follows a message that there is no structure: which stiff blocks count as measures."""
-    found = [block.label for block in measures_of(results) if block.stiff]
+    found = [block.label for block in measures_of(results)
+             if block.stiff and block.role == "auto"]
     if not found:
         return ""
     verb = "is" if len(found) == 1 else "are"

@@ -239,7 +239,7 @@ OF_TRAINS = (("mean wheel force over the bed, kN", lambda train: 1e-3 * train.me
               lambda train: 1e3 * train.settlement_judged().mean()),
              ("settlement of sleepers into the bed, relative to the ground, largest, mm",
               lambda train: 1e3 * train.settlement_judged().max()),
-             ("difference of the sleepers' levels before the train, largest, mm",
+             ("difference of the levels of all sleepers of the bed before the train, largest, mm",
               lambda train: 1e3 * train.unevenness()))
 
 

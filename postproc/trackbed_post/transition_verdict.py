@@ -58,7 +58,8 @@ def different_keys(first: read.Results, second: read.Results) -> list[str]:
     one, other = dict(flat(first.deck)), dict(flat(second.deck))
     differing = [key for key in {**one, **other} if one.get(key) != other.get(key)]
     shared = [block.name for block in ground_blocks.present(second)]
-    blocks = [{each["name"]: each for each in run.deck["ground"].get("block", [])}
+    # A role does not change a run.
+    blocks = [{each["name"]: {**each, "role": ""} for each in run.deck["ground"].get("block", [])}
               for run in (first, second)]
     differing += [f"ground.block.{name}" for name in shared if blocks[0][name] != blocks[1][name]]
     return differing

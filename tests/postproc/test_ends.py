@@ -96,8 +96,8 @@ def test_settlements_at_the_ends_are_not_in_their_mean():
 
 def test_levels_before_the_train_are_those_of_the_highest_and_the_lowest_sleeper():
     one = test_transition.train(7.8)
-    of = dict(transition.OF_TRAINS)["difference of the sleepers' levels before the train, "
-                                    "largest, mm"]
+    of = dict(transition.OF_TRAINS)["difference of the levels of all sleepers of the bed before "
+                                    "the train, largest, mm"]
     even = of(one)
     one.passing.displacement[:, 1] -= 5e-3
     one.passing.displacement[:, 4] += 16e-3

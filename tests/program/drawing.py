@@ -70,16 +70,21 @@ def check_transition(program, deck, folder):
 
 def check_roles(program, deck, folder):
     """A deck states which blocks are structures; report and drawing agree."""
-    for role, count, words in (("structure", 2, "structure up to x = 15 m"),
-                               ("measure", 1, "structure up to x = 2 m")):
-        file = folder / f"wedge_as_{role}.svg"
-        ran = program.done(1, "check", deck, f"ground.block.wedge_surface.role={role}", "--draw",
-                           file)
+    wedge, surface = "ground.block.wedge.", "ground.block.wedge_surface."
+    for name, words, count, reach in (
+            ("stated", [f"{surface}role=structure"], 2, 15),
+            ("measure", [f"{surface}role=measure"], 1, 2),
+            ("buried", [f"{wedge}young=30e9"], 1, 2),  # no part of a structure at the surface
+            ("standing", [f"{wedge}young=30e9", f"{surface}young=30e9"], 3, 15),
+            ("absent", [f"{surface}role=structure", f"{surface}present=false"], 1, 2)):
+        file = folder / f"{name}.svg"
+        ran = program.done(1, "check", deck, *words, "--draw", file)
         grey = [part for part in ET.parse(file).getroot().iter(f"{SVG}polygon")
                 if part.get("fill") == STRUCTURE]
-        expect(len(grey) == count and words in ran.stdout, f"the surface as a {role}", ran)
+        expect(len(grey) == count and f"structure up to x = {reach} m" in ran.stdout,
+               f"{words} makes {count} blocks structures, up to {reach} m", ran)
     ran = program.done(1, "check", deck, "ground.block.structure.role=measure")
-    expect('no block is a structure' in ran.stdout, "no structure left", ran)
+    expect("no block at the surface is a structure" in ran.stdout, "no structure left", ran)
 
 
 def check_train(program, deck, folder):

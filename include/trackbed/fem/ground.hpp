@@ -47,12 +47,12 @@ struct Layer {
   void declare(input::Section& s);
 };
 
-// A region cut out of the layers: elements whose centre is inside the outline are made of its
-// solid; later blocks overrule earlier ones. Used for structure, wedge and surface layer of the
-// transition.
 // What a block is in comparisons of transitions; automatic: it follows from modulus and depth.
 enum class BlockRole { automatic, structure, measure };
 
+// A region cut out of the layers: elements whose centre is inside the outline are made of its
+// solid; later blocks overrule earlier ones. Used for structure, wedge and surface layer of the
+// transition.
 struct Block {
   std::string name;
   bool present = true;

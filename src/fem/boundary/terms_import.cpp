@@ -186,7 +186,7 @@ double above_eigenvalues(const Eigen::MatrixXd& a) {
   return size * std::pow(fourth.norm(), 0.25) * (1 + rounding);
 }
 
-// s, of an element if it is shorter than `shortest`; otherwise any longer one.
+// s, of an element, or a lower bound of it that is above `shortest`.
 double step_of(const Mesh& mesh, std::size_t z, Eigen::MatrixXd k, double shortest) {
   const Elastic& solid = solid_of(mesh, static_cast<std::int32_t>(z));
   const double whole = solid.density * tetrahedron_volume(places(mesh, z));

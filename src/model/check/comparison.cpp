@@ -1,7 +1,7 @@
-// The rules of postproc/trackbed_post/ground_blocks.py, which judges finished runs: a structure is
-// stiff and deep, all other blocks are measures, and sleepers at the ends of the bed
-// are not judged. Where rail and ground have changed is known only after a run; so plain track may
-// begin later than stated here.
+// The rules of postproc/trackbed_post/ground_blocks.py, which judges finished runs: unless the deck
+// states a role, a structure is stiff and deep, all other blocks are measures. Sleepers at the ends
+// of the bed are not judged. Where rail and ground have changed is known only after a run; so plain
+// track may begin later than stated here.
 #include "model/check/comparison.hpp"
 
 #include <fmt/format.h>
@@ -31,7 +31,9 @@ struct Outline {
   Extent x, z;
   bool stiff = false, structural = false;
   explicit Outline(const fem::Block& block)
-      : stiff(block.present && block.solid.young >= stiff_as_structure) {
+      : stiff(block.present && block.role == fem::BlockRole::automatic &&
+              block.solid.young >= stiff_as_structure),
+        structural(block.present && block.role == fem::BlockRole::structure) {
     for (std::size_t k = 0; k + 1 < block.outline.size(); k += 2)
       x.add(block.outline[k]), z.add(block.outline[k + 1]);
   }
@@ -42,17 +44,15 @@ struct Outline {
   }
 };
 
-// Lowest z of a block and of the stiff ones on which it stands.
-double bottom_of(const Outline& top, const std::vector<Outline>& blocks) {
-  std::vector<const Outline*> column = {&top};
+// A block and the stiff ones on which it stands.
+std::vector<Outline*> column_below(Outline& top, std::vector<Outline>& blocks) {
+  std::vector<Outline*> column = {&top};
   for (std::size_t k = 0; k < column.size(); ++k)
-    for (const Outline& lower : blocks)
+    for (Outline& lower : blocks)
       if (lower.stiff && column[k]->stands_on(lower) &&
           std::find(column.begin(), column.end(), &lower) == column.end())
         column.push_back(&lower);
-  double bottom = 0;
-  for (const Outline* each : column) bottom = std::min(bottom, each->z.low);
-  return bottom;
+  return column;
 }
 
 struct Parts {
@@ -68,12 +68,12 @@ std::vector<Outline> outlines_of(const fem::GroundParameters& ground) {
   std::vector<Outline> blocks(ground.blocks.begin(), ground.blocks.end());
   double depth = 0;
   for (const fem::Layer& layer : ground.layers) depth += layer.thickness;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const fem::Block& block = ground.blocks[b];
-    blocks[b].structural =
-        block.present && (block.role == fem::BlockRole::structure ||
-                          (block.role == fem::BlockRole::automatic && blocks[b].stiff &&
-                           -bottom_of(blocks[b], blocks) >= deep * depth - tiny));
+  for (Outline& top : blocks) {
+    if (!top.stiff || top.z.high < -tiny) continue;
+    const std::vector<Outline*> column = column_below(top, blocks);
+    const auto reaches = [&](const Outline* each) { return -each->z.low >= deep * depth - tiny; };
+    if (std::any_of(column.begin(), column.end(), reaches))
+      for (Outline* each : column) each->structural = true;
   }
   return blocks;
 }
@@ -141,7 +141,8 @@ std::string words_of_comparison(const Model& model) {
   std::optional<Parts> parts = parts_of(model);
   if (!parts)
     return fmt::format(
-        "  transition: no block is a structure (at least {:g} GPa, from the surface over at least "
+        "  transition: no block at the surface is a structure (at least {:g} GPa, from the surface "
+        "over at least "
         "half of the depth of the ground, or role = \"structure\"): comparisons give no verdict",
         stiff_as_structure / 1e9);
   count_sleepers(model, *parts);

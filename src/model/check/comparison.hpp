@@ -8,8 +8,7 @@
 
 namespace trackbed::model {
 
-// Of each block of the ground whether it is part of a structure; blocks that are not present are
-// not.
+// For each block of the ground: is it part of a structure? False for blocks that are not present.
 std::vector<bool> structural_blocks(const fem::GroundParameters& ground);
 
 // One line: the structure, where plain track begins at the earliest, and how many sleepers of both

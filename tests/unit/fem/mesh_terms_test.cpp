@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 #include "fem/boundary/terms.hpp"
+#include "trackbed/core/decompositions.hpp"
 #include "unit/fem/mesh_scene.hpp"
 
 namespace trackbed::fem::mesh_terms_test {
@@ -172,6 +175,42 @@ double bound_of(const GroundParameters& p, double& largest) {
   largest = 2 / largest_frequency(mesh, stiffness, Terms(mesh, p, stiffness));
   std::string limit;
   return critical_step_of_tetrahedra(mesh, p, stiffness, limit);
+}
+
+// s, without springs on borders and damping: from the eigenvalues of each element; and the number
+// of the first one with the shortest step.
+std::pair<double, std::size_t> step_of_all_elements(const Mesh& mesh, const Stiffness& stiffness) {
+  std::pair<double, std::size_t> found{std::numeric_limits<double>::infinity(), 0};
+  for (std::size_t z = 0; z < mesh.element.size(); ++z) {
+    TenNodes nodes;
+    for (int k = 0; k < 10; ++k)
+      nodes[static_cast<std::size_t>(k)] = mesh.position(mesh.corner(z, k));
+    const double mass = soil.density * tetrahedron_volume(nodes);
+    Eigen::VectorXd root(30);
+    for (int f = 0; f < 30; ++f) root[f] = 1 / std::sqrt(mass * tetrahedron_mass_fraction(f / 3));
+    const Eigen::MatrixXd scaled =
+        root.asDiagonal() * stiffness.matrix(mesh, z) * root.asDiagonal();
+    const double step = 2 / std::sqrt(symmetric_eigenvalues(scaled).maxCoeff());
+    if (step < found.first) found = {step, z};
+  }
+  return found;
+}
+
+TEST(TermsOfTetrahedra, CriticalStepIsTheShortestOfAllElements) {
+  const Vec3 size(2, 1, 1);
+  const std::array<int, 3> cells = {3, 2, 2};
+  for (const double shake : {0.0, 0.1, 0.2, 0.3}) {  // without one, many elements are equal
+    GroundParameters p = of_mesh(TetBox(size, cells, shaken(size, cells, shake)), "all", soil);
+    p.integrator = Integrator::explicit_;
+    const Mesh mesh(Comm::self(), p, Dimension::space, 1);
+    const Stiffness stiffness(mesh, {});
+    std::string limit;
+    const double step = critical_step_of_tetrahedra(mesh, p, stiffness, limit);
+    const auto [shortest, element] = step_of_all_elements(mesh, stiffness);
+    EXPECT_NEAR(step, shortest, 1e-12 * shortest) << shake;
+    EXPECT_NE(limit.find(fmt::format("number {} in the file", element + 1)), std::string::npos)
+        << limit;
+  }
 }
 
 TEST(TermsOfTetrahedra, CriticalStepIsNotAboveTheLimitOfTheMesh) {
