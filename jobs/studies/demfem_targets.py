@@ -222,8 +222,8 @@ def settling_targets(n):
     found = []
     for what, quantity, published in (
             ("the rail sinks less with non-convex stones after the first axle spacing, mean of "
-             "three positions (sign only), by", "rail, growth",
-             "7 to 9 mm in 50 cycles"),
+             "three positions (sign only; contains the first load on the stiff end), by",
+             "rail, growth", "7 to 9 mm in 50 cycles"),
             ("the same of the lowest sleeper", "lowest sleeper, growth", "5 mm in 50 cycles"),
             ("the rail is displaced less at the end, mean of three positions (sign only; contains "
              "the different start), by", END, "7 to 9 mm in 50 cycles"),
