@@ -135,11 +135,11 @@ def document_of(name, numbers):
     return reflowed(head + text.document(numbers))
 
 
-def derive(name, numbers, lines):
+def derive(name, numbers):
     """Adds the numbers that a study computes from its lines."""
     study = study_of(name)
     if hasattr(study, "derive"):
-        study.derive(numbers, lines)
+        study.derive(numbers)
 
 
 def write_document(name, folder):
@@ -147,7 +147,7 @@ def write_document(name, folder):
     try:
         numbers, lines = Numbers.read(folder / "numbers.csv"), Lines.read(folder / "lines.csv")
         numbers.lines = lines
-        derive(name, numbers, lines)
+        derive(name, numbers)
         text = document_of(name, numbers)
     except OSError as error:
         launch.refuse(f"{error.filename}: {error.strerror}")
@@ -190,7 +190,7 @@ def repeat(program, name, form, folder):
     numbers.lines = lines
     try:
         study.measure(form, folder, numbers, lines)
-        derive(name, numbers, lines)
+        derive(name, numbers)
     except (read.Unreadable, OSError, KeyError, ValueError) as error:
         print(f"the results in {folder} cannot be measured ({type(error).__name__}: {error})",
               file=sys.stderr)

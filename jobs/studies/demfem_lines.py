@@ -9,8 +9,9 @@ RAISED = {"rail": {place: f"track_rail_{place}" for place in RAIL},
           "lowest sleeper": {"": "track_lowest"}}  # figures of displacements over time
 
 
-def derive(numbers, lines):
+def derive(numbers):
     """Adds numbers to those of the runs."""
+    lines = numbers.lines
     for figure, add in (("settlement", add_rebound), ("loop", add_stress),
                         ("forces", add_fractions), ("tension", add_peaks),
                         ("track_compression", add_compression)):

@@ -4,7 +4,7 @@ A study NAME is a module NAME with
     prepare(program, folder)     (optional) makes files that the Runs need
     runs(form, ranks)            the Runs of the form "short" or "full"
     measure(form, folder, numbers, lines)   fills in Numbers and Lines of the runs in `folder`
-    derive(numbers, lines)       (optional) adds Numbers that the Lines give
+    derive(numbers)              (optional) adds Numbers that `numbers.lines` give
     targets(numbers)             Targets, with values that the numbers give
 and a module NAME_document with
     TITLE, SOURCE, CRITERION     of the document; when a target counts as reproduced (a text, or

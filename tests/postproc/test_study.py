@@ -228,12 +228,12 @@ def test_the_benchmark_is_predicted_from_rates():
 
 
 def test_growth_of_the_rail_begins_after_the_first_axle_spacing():
-    numbers, lines = Numbers({}), Lines()
+    numbers = Numbers({})
     time = np.arange(0, 0.68, 4e-3)
     for place in demfem_model.RAIL:
         down = np.where(time < demfem_model.PERIOD, -5, 3 + 2 * (time > 0.5))  # mm
-        lines.put(f"track_rail_{place}", "track_convex_1", time, down)
-    demfem.derive(numbers, lines)
+        numbers.lines.put(f"track_rail_{place}", "track_convex_1", time, down)
+    demfem.derive(numbers)
     for what, value in (("displacement in the second axle spacing", 3), ("growth", 2),
                         ("displacement in the last axle spacing", 5), ("highest position", 5)):
         assert numbers("track_convex_1", f"rail, {what}") == pytest.approx(value)
