@@ -5,11 +5,11 @@ import numpy as np
 from . import chen_figures
 from .chen_runs import (AREA, CARRIAGES, DECK, DRAWN, EDGE, EXTREMES, GRAVITY, HEIGHT, LEAD, LIGHT,
                         LOADS, PACKINGS, SLEEPERS, SPEEDS, name_of, seat_share)
-from .chen_stress_document import (SEATS, SPACING, listed, part_path, part_pressure, part_rotation,
-                                   part_stress, span)
+from .chen_stress_document import (SEATS, SPACING, part_path, part_pressure, part_rotation,
+                                   part_stress)
 from .chen_targets import (AS_LARGE, FASTER, SETTLED, VELOCITY, faster, growth, growths_of_mean,
                            has_series, moving, of, rotation_ratio, speed_of_stones, stored)
-from .study import heading, percent, table
+from .study import heading, listed, percent, span, table
 
 figures = chen_figures.figures
 TITLE = "chen: five sleepers on ballast that breaks, under carriages that pass"

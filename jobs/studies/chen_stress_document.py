@@ -6,24 +6,10 @@ from .chen_runs import (AROUND, AXLES, CARRIAGE, CARRIAGES, CYCLES, DECK, DEPTHS
                         name_of, seat_share)
 from .chen_targets import (PRESSURES, WHEELBASE, faster, growth, has_series, of, path_of,
                            rotation_ratio, shear_range, stored)
-from .study import heading, table
+from .study import heading, listed, span, table
 
 SPACING = DECK["sleepers"]["spacing"]
 SEATS = DECK["sleepers"]["first"] + SPACING * np.arange(DECK["sleepers"]["count"])
-
-
-def span(values, form=".1f"):
-    """Mean (least to most)."""
-    values = np.ravel(values)
-    text = f"{np.mean(values):{form}}"
-    return text if len(values) == 1 else (f"{text} ({np.min(values):{form}} to "
-                                          f"{np.max(values):{form}})")
-
-
-def listed(values, form=".0f"):
-    """'1, 2 and 3'"""
-    texts = [f"{value:{form}}" for value in values]
-    return " and ".join((", ".join(texts[:-1]), texts[-1])) if len(texts) > 1 else texts[0]
 
 
 def part_stress(n):

@@ -8,7 +8,7 @@ from .demfem_model import (BENCHMARK, CORES, CYCLES, GROUND_DECK, GROUND_RUN, GR
 from .demfem_targets import (ALONE, COST, LOWEST, SURE, TEN, UNEXAMINED, besides, fisher,
                              has_lowest, mean, of, of_both, part, predicted, predicted_total, rate,
                              scatter, slower)
-from .study import heading, table
+from .study import heading, listed, table
 
 PHASES = {  # fraction of the run time: name, what it contains here, what the study calls so
     "dem": ("stones", "neighbour lists, forces between stones and of surfaces on stones, with the "
@@ -121,8 +121,9 @@ at the ends; the study clamps the bottom only. Most peaks of the
 compression are {n(GROUND_RUN, "compression, median distance of peaks"):.2f} m apart, as sleepers
 are.
 
-The tension has peaks at x = {listed(peaks)} m. Each lies in the column of elements at an edge of a
-loaded area ({listed(near, 3)} m). So the place of the largest tension is that of an edge in the
+The tension has peaks at x = {listed(peaks, ".2f")} m. Each lies in the column of elements at an
+edge of a
+loaded area ({listed(near, ".3f")} m). So the place of the largest tension is that of an edge in the
 zone where the modulus rises; that it is where the modulus rises most is not shown. If
 the modulus rises over 1 m, the largest tension is at x =
 {n(ground_run("rise of the modulus over 1 m"), "tension, x of the largest"):.2f} m.
@@ -148,11 +149,6 @@ def tension_peaks(n):
 def loaded_edges():
     """x of the edges of the loaded areas, m."""
     return [x for area in GROUND_DECK["pressure"] for x in area["x"]]
-
-
-def listed(values, digits=2):
-    texts = [f"{value:.{digits}f}" for value in values]
-    return ", ".join(texts[:-1]) + " and " + texts[-1] if len(texts) > 1 else texts[0]
 
 
 def part_cost(n):

@@ -9,8 +9,8 @@ import math
 import numpy as np
 
 from .netirail_measure import (BACKFILL, BLOCKS, BRIDGE_ENDS, DECK, DEPTH, FAR, LAYERS, MIRROR,
-                               NEAR, PLANE, SLEEPER, change, measure_ground, measure_stones, moved)
-from .study import Run, Target, as_file, summary
+                               NEAR, PLANE, SLEEPER, measure_ground, measure_stones, moved)
+from .study import Run, Target, as_file, change, summary
 
 SPACE = "track/netirail.toml"
 MASSES = (0.5, 1, 2, 3)

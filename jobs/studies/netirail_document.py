@@ -8,9 +8,9 @@ from . import netirail_mass_document as mass  # noqa: E402
 from .netirail import (ABOUT, CALM, CONVERGENCE, MEASURED, MEASURES,  # noqa: E402
                        NARROW_OVER, NARROWEST, OPEN, PLANE_OPEN, SECTIONS, WEDGES, reach_of)
 from .netirail_measure import (BACKFILL, BEHIND, BESIDE, DECK, DEPTH, FAR,  # noqa: E402
-                               LATE, LAYERS, NEAR, change)
+                               LATE, LAYERS, NEAR)
 from .netirail_stones_document import draw_stones, part_stones  # noqa: E402
-from .study import COLOURS, as_file, heading, percent, save, table  # noqa: E402
+from .study import COLOURS, as_file, change, heading, percent, save, table  # noqa: E402
 
 TITLE = "netirail: a train from a bridge to an embankment"
 SOURCE = """After NeTIRail-INFRA D2.10, *Cost effective transition zone design tailored to line type

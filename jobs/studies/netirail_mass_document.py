@@ -5,9 +5,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 from .netirail import CALM, COMPARED, EXPERIMENTS, GEOMETRIES, MASSES, UNLOADED  # noqa: E402
-from .netirail_measure import (FAR, NEAR, SPEED, WHEELBASE, change, dynamic,  # noqa: E402
+from .netirail_measure import (FAR, NEAR, SPEED, WHEELBASE, dynamic,  # noqa: E402
                                own_weight, resonance)
-from .study import COLOURS, as_file, heading, percent, save, table  # noqa: E402
+from .study import COLOURS, as_file, change, heading, percent, save, table  # noqa: E402
 
 EVEN = "plane_same_width_fill_1"  # sleepers of 315 kg on embankment alone, even rail
 IN_SPACE = [("layers", "reinforced"), ("embankment", "fill only")]

@@ -172,11 +172,6 @@ def put_envelope(name, distance, down, window, numbers, lines=None):
         lines.put("envelope", name, distance[part], down[part])
 
 
-def change(numbers, run, other, quantity):
-    """Of a quantity, from `run` to `other`, relative."""
-    return numbers(other, quantity) / numbers(run, quantity) - 1
-
-
 def own_weight(factor):
     """mm, by which sleepers of `factor` times the mass sink into a plane ground of embankment under
     their own weight: a uniform pressure on a layer that cannot expand along the track."""

@@ -4,8 +4,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from .netirail_measure import BACKFILL, DECK, NEAR, change  # noqa: E402
-from .study import COLOURS, deck_of, heading, percent, save, table  # noqa: E402
+from .netirail_measure import BACKFILL, DECK, NEAR  # noqa: E402
+from .study import COLOURS, change, deck_of, heading, percent, save, table  # noqa: E402
 
 STONES = deck_of("track/netirail_stones.toml")
 CASES = (("reinforced layers and wedge", "stones_layers", "plane_same_width_1"),

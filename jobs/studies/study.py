@@ -165,6 +165,24 @@ def table(head, rows):
     return "\n".join("| " + " | ".join(map(str, row)) + " |" for row in cells) + "\n"
 
 
+def span(values, form=".1f"):
+    """Mean (least to most) of several values, or the one."""
+    values = [float(value) for value in values]
+    texts = [f"{value:{form}}" for value in (sum(values) / len(values), min(values), max(values))]
+    return texts[0] if len(values) == 1 else f"{texts[0]} ({texts[1]} to {texts[2]})"
+
+
+def listed(values, form=".0f"):
+    """'1, 2 and 3'"""
+    texts = [f"{value:{form}}" for value in values]
+    return " and ".join((", ".join(texts[:-1]), texts[-1])) if len(texts) > 1 else texts[0]
+
+
+def change(numbers, run, other, quantity):
+    """Of a quantity, from `run` to `other`, relative."""
+    return numbers(other, quantity) / numbers(run, quantity) - 1
+
+
 def percent(ratio):
     """A relative change, with its sign."""
     text = f"{100 * ratio:+.1f} %"
