@@ -15,7 +15,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "jobs"))
 import launch  # noqa: E402
 import study  # noqa: E402
 from studies import (chen, chen_runs, chen_targets, demfem, demfem_model,  # noqa: E402
-                     demfem_targets, netirail, netirail_document, netirail_measure, shi)
+                     demfem_targets, netirail, netirail_document, netirail_measure, shi, shi_runs)
 from studies.study import (Lines, Numbers, Run, Target, counted, reflowed,  # noqa: E402
                            targets_table)
 
@@ -204,7 +204,7 @@ def test_cells_have_the_mean_velocity_of_their_points():
 def test_sampled_loads_are_those_of_the_formula():
     rows = np.loadtxt(study.INPUTS / "shi/seat_load_100hz.csv", delimiter=",", skiprows=1)
     s = shi.LOAD["speed"] * (rows[:, 0] - 0.25)
-    b = shi.DECAY
+    b = shi_runs.DECAY
     force = sum(np.exp(-b * np.abs(s - at)) * (np.cos(b * np.abs(s - at))
                 + np.sin(b * np.abs(s - at))) for at in shi.LOAD["axles"]) * shi.LOAD["peak"]
     assert np.allclose(rows[1:-1, 1], force[1:-1], atol=0.6) and np.all(np.diff(rows[:, 0]) > 0)

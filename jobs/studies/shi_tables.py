@@ -1,0 +1,68 @@
+"""Tables of the document of the study shi."""
+import numpy as np
+
+from .shi_decks import DECK, DESIGNS, TITLES
+from .shi_runs import FIXED
+from .shi_targets import values
+from .study import as_file, table
+
+LOADING, TRAINS = (next(stage for stage in DECK["stage"] if stage["name"] == name)
+                   for name in ("bed_in", "trains"))
+FRICTION = DECK["contact"][0]["friction"]
+NEAR_END = 14  # m, x from which the end of the ground acts on the surface
+REFERENCE = "reference: fixed base, rollers at the sides, 1.3 m thick"
+THIN = "ground 1 m thick, viscous sides"
+NAMES = {  # in tables
+    FIXED: REFERENCE,
+    "ground 1 m thick instead of 1.3 m": "out-of-plane thickness of the ground 1 m instead of 1.3",
+    THIN: "out-of-plane thickness of the ground 1 m, viscous sides",
+    "loads of a power of the distance": "seat loads X^((s/0.6 m)^2) of each axle, X = 0.5531",
+    "without a bottom, 10 m long at the top": "triangle, 10 m long at the top, none at the bottom",
+    "upside down, 13 m long at the bottom": "3 m long at the top, 13 m at the bottom",
+    "surface layer alone, 13 m": "none, but a surface layer of 4000 MPa 13 m long",
+}
+QUANTITIES = ("ground, structure", "ground, 6 to 11 m", "ground, far",
+              "ground, 90 % of the rise")
+
+
+def span(n, design, quantity, digits=3):
+    """Mean, least and most of all packings."""
+    return span_of(values(n, design, quantity), digits)
+
+
+def span_of(found, digits=3):
+    """Mean, least and most."""
+    if not len(found):
+        return "none"
+    text = f"{np.mean(found):.{digits}g}"
+    if len(found) == 1:
+        return text
+    return f"{text} ({min(found):.{digits}g} to {max(found):.{digits}g})"
+
+
+def cell(n, run, quantity):
+    return f"{n(run, quantity):.3g}" if (run, quantity) in n.rows else "lost support" \
+        if "acceleration" in quantity else ""
+
+
+def ground_rows(n, names):
+    """A row per title and name of a variant of the ground alone."""
+    return [(title, *(cell(n, f"ground_{design}_{as_file(name)}", quantity)
+                      for design in DESIGNS for quantity in QUANTITIES))
+            for title, name in names]
+
+
+def same(names):
+    return [(NAMES.get(name, name), name) for name in names]
+
+
+def ground_table(first, rows):
+    return table([first, *(f"{TITLES[design]}: {what}" for design in DESIGNS for what in
+                           ("structure, mm", "6 to 11 m, mm", "last 2 m, mm", "90 %, m"))], rows)
+
+
+def stones_rows(n, variants):
+    """Packing 1 as it is, and with changes."""
+    return [(title, *(cell(n, f"stones_{design}_{as_file(name)}", quantity) for design in DESIGNS
+                      for quantity in QUANTITIES))
+            for title, name in (("reference, packing 1", "1"), *variants)]
