@@ -8,9 +8,9 @@ from .shi_runs import (BOUNDARIES, FIXED, FULL_FRICTION, KEPT, OPEN, PACKINGS, S
 from .shi_sections import SECTIONS, part_missing
 from .shi_tables import (FRICTION, LOADING, NEAR_END, QUANTITIES, THIN, TRAINS, cell, ground_rows,
                          ground_table, same, span, span_of, stones_rows)
-from .shi_targets import (MEAN_STRESS, UP_TO, at_four_metres, at_last_node, cases, full, jump,
-                          jump_of_means, line, lines_of, load_of_seats, lost, mean, place_of_most,
-                          reduction, steepest, targets, values)
+from .shi_targets import (MEAN_STRESS, UP_TO, at_four_metres, at_last_node, cases, change, full,
+                          jump, jump_of_means, line, lines_of, load_of_seats, lost, mean,
+                          place_of_most, reduction, steepest, targets, values)
 from .study import as_file, heading, percent, table
 
 figures = shi_figures.figures
@@ -70,11 +70,13 @@ def surface_in_short(n):
         return f"{mean(n, design, quantity):.3g}"
     middle = mean(n, "wedge", "ground, 6 to 11 m") / mean(n, "none", "ground, 6 to 11 m") - 1
     none, wedge = map(np.mean, slopes(n).values())
+    x, last = at_last_node(n, "none")
     longer = n("ground_wedge_ground_8_m_longer", "ground, steepest")
     return f"""As published: the surface of the structure up to x = {UP_TO:g} m, the short rise
-  behind it without wedge, and soil that moves away from the structure. A gradual rise with wedge is
-  as
-  published, too, but follows from its assumed outline. With wedge the displacement 6 to 11 m behind
+  behind it without wedge, and soil that moves away from the structure. At the last node of the
+  structure, x = {x:.2f} m, the surface deviates by {percent(np.mean(last) / 0.02 - 1)} without
+  wedge. A gradual rise with wedge is as published, too, but follows from its assumed outline. With
+  wedge the displacement 6 to 11 m behind
   the edge changes by {percent(middle)}. The steepest change of the surface up to x = {NEAR_END} m
   falls from {none:.3g} mm/m (at x = {of("none", "ground, x of the steepest")} m) to {wedge:.3g}, by
   {percent(wedge / none - 1)}. Behind it the end of the ground adds to the change:
@@ -88,9 +90,8 @@ def embankment_in_short(n):
                     for name in (FIXED, "ground 8 m longer"))
     return f"""Not as published: the embankment goes down by
   {mean(n, "none", "ground, 6 to 11 m"):.3g} mm (at 6 to 11 m) instead of 1.8. With 1 m thickness
-  the embankment moves {n(thin, "ground, 6 to 11 m"):.2f} mm. The published 1.8 mm is reached only
-  in
-  the last 2 m ({n(thin, "ground, far"):.2f} mm), where the end of the model adds to it. Why the
+  the embankment moves {n(thin, "ground, 6 to 11 m"):.2f} mm (ground alone). The published 1.8 mm
+  is reached only in the last 2 m ({n(thin, "ground, far"):.2f} mm), where the end of the model adds to it. Why the
   published value is larger at 6 to 11 m is not known. With wedge the published 1.64 mm is compared
   with the last 2 m; with 8 m more ground they move by {longer:.3g} mm instead of {here:.3g} (ground
   alone)."""
@@ -99,9 +100,8 @@ def embankment_in_short(n):
 def stresses_in_short(n):
     nodes, means = at_edge(n, "nodes", jump), at_edge(n, "means", jump_of_means)
     return f"""Not as published: stresses at the edge. Largest stress of a node before the edge
-  minus the least behind it: {nodes[0]:.0f} kPa; around other sleepers {nodes[1]:.0f} +-
-  {nodes[2]:.0f}.
-  {changed_by_wedge(n)} Averaged over a sleeper spacing the stress
+  minus the least behind it: {nodes[0]:.0f} kPa; around other sleepers
+  {nodes[1]:.0f} +- {nodes[2]:.0f}. {changed_by_wedge(n)} Averaged over a sleeper spacing the stress
   {"jumps" if means[3] else "does not jump"} at the edge ({means[0]:.0f} kPa, around other sleepers
   {means[1]:.0f} +- {means[2]:.0f})."""
 
@@ -118,12 +118,12 @@ def accelerations_in_short(n):
   {of("none", "least")} and {of("none", "most")} g without wedge (published 0.62 to 1.34) and
   between {of("wedge", "least")} and {of("wedge", "most")} with wedge (0.61 to 1.57), as means over
   packings. A bed prepared with full friction reaches {rough:.2f} g without wedge. Accelerations
-  depend on the
-  stiffness of contacts, or on its change after the preparation: their median is
-  {soft / reference:.1f}
-  times as large with half the stiffness and {stiff / reference:.1f} times with twice the stiffness.
-  Loads sampled 100 times per second, with kinks between the samples, raise the smallest to
-  {sampled:.2f} g on springs, but not on stones."""
+  depend on the stiffness of contacts, or on its change after the preparation: their median is
+  {soft / reference:.1f} times as large with half the stiffness and {stiff / reference:.1f} times as
+  large with twice the stiffness. Half the step changes the largest one by
+  {percent(change(n, "stones_none_1", "stones_none_half_the_step", "acceleration, most"))} (packing
+  1 without wedge). Loads sampled 100 times per second, with kinks between the samples, raise the
+  smallest to {sampled:.2f} g on springs, but not on stones."""
 
 
 def support_of_sleepers(n):
@@ -137,8 +137,8 @@ def support_of_sleepers(n):
         deepest = max(values(n, "wedge", "kept, most") + values(n, "none", "kept, most"))
         text += f""" In {passages} of {2 * len(PACKINGS)} passages a sleeper lost its support
   (residual settlement up to {deepest:.1f} mm); both designs share a bed, so this is
-  {len(beds)} of {len(PACKINGS)} beds (packing {", ".join(map(str, beds))}). Accelerations leave it
-  out, which can lower their largest value and cannot raise it."""
+  {len(beds)} of {len(PACKINGS)} beds (packing {", ".join(map(str, beds))}). Accelerations leave
+  it out: their largest value over all packings may be higher than given."""
     if turned:
         text += f""" Sleepers that may rotate lose their support {" and ".join(turned)} (packing
   1)."""
@@ -195,14 +195,13 @@ Assumed, as the study shows it only in drawings, which are not available here, o
   {span(n, "wedge", "settlement in the last train of the preparation", 2)} mm. Then there are
   {span(n, "wedge", "ballast below sleepers, median")} mm of ballast below sleepers (median), at
   least {min(values(n, "wedge", "ballast below sleepers, least")):.0f} mm. Stresses and
-  displacements count from the begin of the measured passage, with {1e-3 * TRAINS["seat_force"]:.0f}
-  kN on each
-  seat.
+  displacements count from the begin of the measured passage, with
+  {1e-3 * TRAINS["seat_force"]:.0f} kN on each seat.
 
 The study's bulk density of about 1800 kg/m3 with stones of 2600 means 69 % of solids, our plane bed
 has {100 * bulk / density:.0f} %: either its packing is looser, or its density is that of a bed in
-space. Here the density of the
-stones is reduced to {density} kg/m3, which gives {bulk:.0f}: the same mass, not the same porosity.
+space. Here the density of the stones is reduced to {density} kg/m3, which gives
+{bulk:.0f}: the same mass, not the same porosity.
 {alone}"""
 
 
@@ -301,9 +300,8 @@ With 1 m, the usual thickness of a plane ground, and viscous sides the ground al
 {thin["none"][0]} mm on the structure, {thin["none"][1]} mm at 6 to 11 m and {thin["none"][2]} mm in
 the last 2 m without wedge, and {thin["wedge"][2]} mm in the last 2 m with it. The published 0.02,
 1.8 and 1.64 mm may be the largest along the track. In the last 2 m the end of the ground adds to
-the displacement: with 8 m more ground these 2 m move no more than the rest, {longer[0]:.3g} mm
-without
-and {longer[1]:.3g} mm with wedge (see "Convergence").
+the displacement: with 8 m more ground these 2 m move no more than the rest,
+{longer[0]:.3g} mm without and {longer[1]:.3g} mm with wedge (see "Convergence").
 
 A ground of 1 m on base springs was not run. By linearity the run with springs of 1e8 Pa/m would
 have {springs["ground, 6 to 11 m"]:.2f} mm at 6 to 11 m, close to the published 1.8, but
@@ -319,9 +317,8 @@ def edge_of_structure(n):
     (x, none), (_, wedge) = (at_last_node(n, design) for design in DESIGNS)
     return f"""The displacement of the structure is the largest up to x = {UP_TO:g} m, half a
 sleeper spacing before its edge. At its last node, x = {x:.2f} m, it is {span_of(none)} mm without
-and
-{span_of(wedge)} mm with wedge: {percent(np.mean(none) / 0.02 - 1)} and
-{percent(np.mean(wedge) / 0.02 - 1)} from the published value."""
+and {span_of(wedge)} mm with wedge: {percent(np.mean(none) / 0.02 - 1)}
+and {percent(np.mean(wedge) / 0.02 - 1)} from the published value."""
 
 
 def shape_of_rise(n):
@@ -333,8 +330,8 @@ def shape_of_rise(n):
 {wedge} with wedge; the largest value is near the end of the ground (without wedge at x =
 {first:.1f} to {last:.1f} m). The gradual rise with wedge follows from its assumed outline. Up to x
 = {NEAR_END} m the steepest change along the track is {span_of(slow["none"])} mm/m without and
-{span_of(slow["wedge"])} mm/m with wedge, at the end of this range; a ground alone that is 8 m
-longer has {longer:.3g} mm/m. Behind it the end of the ground steepens the surface to
+{span_of(slow["wedge"])} mm/m with wedge, the latter at the end of this range; a ground
+alone that is 8 m longer has {longer:.3g} mm/m. Behind it the end of the ground steepens the surface to
 {span(n, "wedge", "ground, steepest")} mm/m at x = {span(n, "wedge", "ground, x of the steepest")} m
 (the search ends at {DECK["ground"]["x"][1] - 1.5:g} m)."""
 

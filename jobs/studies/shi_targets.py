@@ -151,11 +151,11 @@ def targets(n):
 
 SURFACE_SECTION, AT_EDGE, SLEEPERS_SECTION, PREPARATION_SECTION = (
     "Displacement of the surface", "Stress at the edge", "Sleepers and ballast", "Preparation")
-UNEXPLAINED = "not explained"
+BOTH_SECTIONS = f"{SLEEPERS_SECTION}, {PREPARATION_SECTION}"
 
 
 def unexplained(section):
-    return f"{section}: {UNEXPLAINED}"
+    return f"{section}: not explained"
 
 
 def compare(n, what, design, quantity, kind, published, unit, value, close, sign=None, see=""):
@@ -233,7 +233,7 @@ def rise_targets(n):
 
 
 def stress_targets(n):
-    see = unexplained(AT_EDGE)
+    see = unexplained(f"{AT_EDGE}, {PREPARATION_SECTION}")
     places = place_of_most(n, "stress", "none")
     return [
         compare(n, "largest stress of a node of the surface before the edge", "none",
@@ -244,7 +244,8 @@ def stress_targets(n):
                100 * reduction(n, jump), "%", -54, CLOSE, sign=reduction(n, jump) < 0, see=see),
         Target("x of the largest stress of a node, without wedge", "soft",
                f"2 m (ours: within {SPACING:g} m of it)", float(np.mean(places)), "m",
-               holds=bool(np.all(np.abs(places - EDGE) < SPACING)), each=tuple(places), see=see)]
+               holds=bool(np.all(np.abs(places - EDGE) < SPACING)), each=tuple(places),
+               see=unexplained(AT_EDGE))]
 
 
 def sleeper_targets(n):
@@ -252,7 +253,7 @@ def sleeper_targets(n):
                   "soft", "0.75 mm, hardly legible", "mm", 0.75, CLOSE, see=PREPARATION_SECTION)
     if known(n, "sleeper S1"):
         yield compare(n, f"sleeper S1 (here at x = {S1:g} m)", "wedge", "sleeper S1", "soft",
-                      "1.7 mm", "mm", 1.7, CLOSE, see=unexplained(SLEEPERS_SECTION))
+                      "1.7 mm", "mm", 1.7, CLOSE, see=unexplained(BOTH_SECTIONS))
     for figure, what in (("sleeper", "sleepers"), ("ballast", "ballast below sleepers")):
         yield compare_each(f"distance behind the structure of the largest displacement of {what}, "
                            "without wedge", "soft", "about 2 m",
@@ -267,7 +268,7 @@ def acceleration_targets(n):
                 met = which == "largest" and design == "none"
                 yield compare(n, f"{which} of the sleepers' largest accelerations", design,
                               f"acceleration, {quantity}", "soft", f"{value} g", "g", value, CLOSE,
-                              see=PREPARATION_SECTION if met else unexplained(SLEEPERS_SECTION))
+                              see=PREPARATION_SECTION if met else unexplained(BOTH_SECTIONS))
     both = in_both(n, "acceleration, most")
     if both:
         ratio = tuple(n(wedge, "acceleration, most") / n(none, "acceleration, most")
