@@ -35,9 +35,10 @@ def places_of_sleepers(n):
 state their x, here {S1:g} and {S2:g} m. With wedge no sleeper before x = {near.min():g} m is within
 15 % of the published 1.7 mm of S1, as a mean over packings; the nearest to it is that at x =
 {x[best]:g} m with {down[best]:.2f} mm. Without wedge S1 moves
-{span(n, "none", "sleeper S1")} mm. Why S1 and the sleeper at the edge move less than published is
-not explained; neither are the smallest accelerations, the largest with wedge, the ratio of S2 to S1
-and the fluctuation of the ballast's acceleration.
+{span(n, "none", "sleeper S1")} mm. Why S1 moves less than published is not explained; neither are
+the smallest accelerations, the largest with wedge, the ratio of S2 to S1 and the fluctuation of the
+ballast's acceleration. For the sleeper at the edge and the largest acceleration without wedge see
+"Preparation".
 """
 
 
