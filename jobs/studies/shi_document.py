@@ -333,7 +333,8 @@ def shape_of_rise(n):
 {span_of(slow["wedge"])} mm/m with wedge, the latter at the end of this range; a ground
 alone that is 8 m longer has {longer:.3g} mm/m. Behind it the end of the ground steepens the surface
 to {span(n, "wedge", "ground, steepest")} mm/m at x =
-{span(n, "wedge", "ground, x of the steepest")} m (the search ends at {DECK["ground"]["x"][1] - 1.5:g} m)."""
+{span(n, "wedge", "ground, x of the steepest")} m
+(the search ends at {DECK["ground"]["x"][1] - 1.5:g} m)."""
 
 
 def part_stresses(n):
