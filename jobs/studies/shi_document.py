@@ -300,8 +300,8 @@ With 1 m, the usual thickness of a plane ground, and viscous sides the ground al
 {thin["none"][0]} mm on the structure, {thin["none"][1]} mm at 6 to 11 m and {thin["none"][2]} mm in
 the last 2 m without wedge, and {thin["wedge"][2]} mm in the last 2 m with it. The published 0.02,
 1.8 and 1.64 mm may be the largest along the track. In the last 2 m the end of the ground adds to
-the displacement: with 8 m more ground these 2 m move no more than the rest,
-{longer[0]:.3g} mm without and {longer[1]:.3g} mm with wedge (see "Convergence").
+the displacement: without wedge, with 8 m more ground these 2 m move no more than the rest
+({longer[0]:.3g} mm). With wedge they then move {longer[1]:.3g} mm (see "Convergence").
 
 A ground of 1 m on base springs was not run. By linearity the run with springs of 1e8 Pa/m would
 have {springs["ground, 6 to 11 m"]:.2f} mm at 6 to 11 m, close to the published 1.8, but
