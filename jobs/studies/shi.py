@@ -228,6 +228,9 @@ def measure_stones(name, place, numbers, lines):
         if stage["name"] == "trains":
             numbers.put(name, "settlement in the last train of the preparation",
                         1e3 * stage["settlement_m"], "mm")
+        if stage["name"] == "passage":
+            numbers.put(name, "sub-step over the longest stable one",
+                        stage["window_s"] / stage["substeps"] / stage["stable_step_s"], "-")
     if as_file(TRAINED) in name:
         put_trains(name, run, numbers)
     put_histories(name, time, x, run, rows, lines)

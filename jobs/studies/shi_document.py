@@ -5,7 +5,7 @@ import numpy as np
 from . import shi_figures
 from .shi_decks import DECK, DESIGNS, EDGE, TITLES
 from .shi_runs import (BOUNDARIES, FIXED, FULL_FRICTION, KEPT, OPEN, PACKINGS, SAMPLED)
-from .shi_sections import SECTIONS, part_missing
+from .shi_sections import SECTIONS, part_missing, unstable
 from .shi_tables import (FRICTION, LOADING, NEAR_END, QUANTITIES, THIN, TRAINS, cell, ground_rows,
                          ground_table, same, span, span_of, stones_rows)
 from .shi_targets import (MEAN_STRESS, UP_TO, at_four_metres, at_last_node, cases, change, full,
@@ -114,11 +114,13 @@ def accelerations_in_short(n):
     sampled = min(n(f"ground_{design}_{as_file(SAMPLED)}", "acceleration, least")
                   for design in DESIGNS)
     rough = n(f"stones_none_{as_file(FULL_FRICTION)}", "acceleration, most")
+    long = ', but with too long sub-steps, see "Preparation"' if unstable(n) else ""
     return f"""Not as published: the largest acceleration of a sleeper is between
   {of("none", "least")} and {of("none", "most")} g without wedge (published 0.62 to 1.34) and
   between {of("wedge", "least")} and {of("wedge", "most")} with wedge (0.61 to 1.57), as means over
-  packings. A bed prepared with full friction reaches {rough:.2f} g without wedge. Accelerations
-  depend on the stiffness of contacts, or on its change after the preparation: their median is
+  packings. A bed prepared with full friction reaches {rough:.2f} g without wedge{long}.
+  Accelerations depend on the stiffness of contacts, or on its change after the preparation: their
+  median is
   {soft / reference:.1f} times as large with half the stiffness and {stiff / reference:.1f} times as
   large with twice the stiffness. Half the step changes the largest one by
   {percent(change(n, "stones_none_1", "stones_none_half_the_step", "acceleration, most"))} (packing

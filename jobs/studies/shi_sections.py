@@ -202,8 +202,19 @@ def targets_with_full_friction(n, settled):
 Full friction reproduces {found}. The wedge changes the difference of stresses of nodes at the edge
 by {percent(step[1] / step[0] - 1)} (published -54 %). This is one packing, whose last train of the
 preparation settled a sleeper by {settled:.2g} mm: its bed still changes, and other packings were
-not prepared like this.
+not prepared like this.{unstable(n)}
 """
+
+
+def unstable(n):
+    """What follows if sub-steps were too long in the passage after loads with full friction."""
+    quantity = "sub-step over the longest stable one"
+    longest = max(n(f"stones_{design}_{as_file(FULL_FRICTION)}", quantity) for design in DESIGNS)
+    if longest < 1.005:
+        return ""
+    return f""" In the measured passage its sub-steps were {longest:.2f} times as long as the
+longest stable ones (docs/decisions/time_step.md). Single stones then vibrate from sub-step to
+sub-step, so that its accelerations are not reliable."""
 
 
 def part_speeds(n):
