@@ -8,10 +8,10 @@ from .shi_runs import (BOUNDARIES, FIXED, FULL_FRICTION, KEPT, OPEN, PACKINGS, S
 from .shi_sections import SECTIONS, part_missing, unstable
 from .shi_tables import (FRICTION, LOADING, NEAR_END, QUANTITIES, THIN, TRAINS, cell, ground_rows,
                          ground_table, same, span, span_of, stones_rows)
-from .shi_targets import (MEAN_STRESS, UP_TO, at_four_metres, at_last_node, cases, change, full,
+from .shi_targets import (MEAN_STRESS, UP_TO, at_four_metres, at_last_node, cases, full,
                           jump, jump_of_means, line, lines_of, load_of_seats, lost, mean,
                           place_of_most, reduction, steepest, targets, values)
-from .study import as_file, heading, percent, table
+from .study import as_file, change, heading, percent, table
 
 figures = shi_figures.figures
 TITLE = "shi: a locomotive from a rigid structure to an embankment"

@@ -6,9 +6,9 @@ from .shi_runs import (AXLE_AT, CONVERGENCE, DECAY, FIXED, FULL_FRICTION, KEPT, 
                        MANY_TRAINS, S1, S2, SAMPLED, SHOWN_TRAINS, SPEEDS, TRAINED, WEDGES, WHEEL)
 from .shi_tables import (FRICTION, LOADING, QUANTITIES, TRAINS, cell, ground_rows, ground_table,
                          same, span)
-from .shi_targets import (CLOSE, PUBLISHED_STONES, SPECTRAL_LINES, WHEEL_LOAD, change, jump,
+from .shi_targets import (CLOSE, PUBLISHED_STONES, SPECTRAL_LINES, WHEEL_LOAD, jump,
                           jump_of_means, lines_of, lost, spectral_heights)
-from .study import as_file, heading, percent, table
+from .study import as_file, change, heading, percent, table
 
 
 def part_sleepers(n):

@@ -3,7 +3,7 @@ import numpy as np
 
 from .shi_decks import DECK, DESIGNS, EDGE, LOAD, SPACING, TITLES
 from .shi_runs import AXLE_AT, DECAY, KEPT, PACKINGS, S1
-from .study import Target, percent
+from .study import Target, change, percent
 
 from trackbed_post import measures  # noqa: I001 (found by .study)
 
@@ -11,11 +11,6 @@ from trackbed_post import measures  # noqa: I001 (found by .study)
 def full(numbers):
     """Whether the numbers are those of the full form."""
     return numbers.has("stones_none_1")
-
-
-def change(numbers, run, other, quantity):
-    """Of a quantity, from `run` to `other`, relative."""
-    return numbers(other, quantity) / numbers(run, quantity) - 1
 
 
 def cases(numbers, design):

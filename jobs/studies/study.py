@@ -49,10 +49,10 @@ class Run:
 
 @dataclasses.dataclass(frozen=True)
 class Target:
-    """A published value beside ours. An input is prescribed: it checks that the run is the intended
-    one. `close`: relative deviation that counts as reproduced; without a published number `holds`
-    decides. `sign`: whether our value has the published sign or order,
-    which the short form requires of main targets; None: it is not required. `each`: the value of
+    """A published value beside ours; of kind input: a prescribed value, which shows that the run is
+    the intended one. `close`: relative deviation that counts as reproduced; without a published
+    number `holds` decides. `sign`: whether our value has the published sign or order, which the
+    short form requires of main targets; None: it is not required. `each`: the value of
     each packing, of which `ours` is the mean. `error`: standard error of `ours`. `see`: section
     with experiments if it is not reproduced."""
     what: str

@@ -26,7 +26,7 @@ SLEEPERS, SLEEPERS_PLAIN = (f"the same of the sleepers {where}, mm/m" for where 
     "in the transition", "on plain track"))
 SLEEPERS_REACHED = "the same distance for the level of the sleepers, m"
 SETTLEMENT = "settlement of sleepers into the bed, relative to the ground, largest, mm"
-UNEVENNESS = ("difference of the levels of all sleepers of the bed before the train, largest, mm")
+UNEVENNESS = "difference of the levels of all sleepers of the bed before the train, largest, mm"
 SENTENCES = {
     f"increases from {N} mm on the structure to {N} mm on the plain track":
         ((STRUCTURE, 1), (PLAIN, 1)),

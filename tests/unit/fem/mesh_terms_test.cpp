@@ -199,7 +199,7 @@ std::pair<double, std::size_t> step_of_all_elements(const Mesh& mesh, const Stif
 TEST(TermsOfTetrahedra, CriticalStepIsTheShortestOfAllElements) {
   const Vec3 size(2, 1, 1);
   const std::array<int, 3> cells = {3, 2, 2};
-  for (const double shake : {0.0, 0.1, 0.2, 0.3}) {  // without one, many elements are equal
+  for (const double shake : {0.0, 0.1, 0.2, 0.3}) {  // with 0 many elements are equal
     GroundParameters p = of_mesh(TetBox(size, cells, shaken(size, cells, shake)), "all", soil);
     p.integrator = Integrator::explicit_;
     const Mesh mesh(Comm::self(), p, Dimension::space, 1);
