@@ -25,7 +25,10 @@ RANGE = (-3.0, 4.0)  # m, from the sensor: where forces are not the static ones
 LIKENESS = 0.15      # standard deviation of what is one wheel's own, over what both have
 BOGIE = 4.0          # m, of axles that are identified together
 SLOW = 4.0           # m, wavelength: longer ones state where the train is; a dip causes others
-OF_DIP = 0.01        # m, standard deviation of this place because of dips
+OF_DIP = 0.005       # m, standard deviation of this place because of dips
+ROUNDS = 2           # in which the forces that are found improve the place
+DEPENDENT = 5        # samples: wheel forces lie below a fifth of 5 kHz, so that the errors of the
+                     # model in fewer samples than these are not independent
 SEARCH = 6           # samples, by which it may be wrong
 SPREAD = 0.5         # m, over which forces are similarly strong
 LEAST = 0.1          # strength of a force anywhere over the largest
@@ -87,6 +90,24 @@ class Passing:
         return sum(load * np.interp(self.places(wheel), at, unit, left=0.0, right=0.0)
                    for wheel, load in enumerate(self.wheels.load))
 
+    def of_changes(self, quantity, forces, first):
+        """Response of the sensor to what the forces of a bogie, which all bogies with as many
+        wheels have, exceed the static ones."""
+        behind, bogie = self.wheels.behind, bogie_of(self.kernel, first)
+        rows = np.arange(self.count)
+        one = sum(self.matrix(quantity, wheel, forces.x, rows) @ (force - self.wheels.load[wheel])
+                  for wheel, force in zip(bogie, forces.force))
+        found = np.zeros(self.count)
+        for begin in range(len(behind)):
+            try:
+                alike = len(bogie_of(self.kernel, begin)) == len(bogie)
+            except read.Unreadable:  # not the first wheel of a bogie
+                continue
+            if alike:
+                late = (behind[begin] - behind[first]) / self.step
+                found += np.interp(rows - late, rows, one, left=0.0, right=0.0)
+        return found
+
     def matrix(self, quantity, wheel, x, rows):
         """Response in these rows to a unit force of one wheel on the sensor's rail at each position
         x, spaced by `step`; a force is linear between positions."""
@@ -118,13 +139,17 @@ def bogie_of(kernel, first=0):
     return np.flatnonzero((before <= 0) & (before >= -BOGIE))
 
 
-def arrival(found, kernel, speed):
+def arrival(found, kernel, speed, forces=None, first=0):
     """Arrival of the kernel's train: the displacement (a Reconstruction) is most similar to that
-    under static forces."""
+    under static forces, or under the `forces` (Forces) of the bogie that begins with wheel `first`,
+    which all bogies with as many wheels have."""
     length = kernel.x[-1] + kernel.wheels.behind[-1]
     passing = Passing(kernel, 0.0, int(length / speed * kernel.rate) + kernel.samples, speed)
     sections = scipy.signal.butter(2, speed / SLOW, fs=kernel.rate, output="sos")
-    expected = scipy.signal.sosfiltfilt(sections, passing.of_static("displacement"))
+    expected = passing.of_static("displacement")
+    if forces is not None:
+        expected = expected + passing.of_changes("displacement", forces, first)
+    expected = scipy.signal.sosfiltfilt(sections, expected)
     slow = scipy.signal.sosfiltfilt(sections, found.displacement)
     shift, similarity = most_similar(slow, expected)
     # Errors of the displacement are smooth: each flank below a bogie is one measurement.
@@ -200,7 +225,7 @@ def placed(problem, unsure, likeness=4 * LIKENESS):
     squares = np.mean(problem.changes(first.unknown, likeness)**2, axis=0)
     strong = np.sqrt(scipy.ndimage.uniform_filter1d(squares, max(int(SPREAD / problem.step), 1)))
     decomposition = problem.decomposition(likeness, np.hypot(strong / strong.max(), LEAST))
-    evidence = [regularised.Solution(decomposition, problem.right(shift)).evidence()
+    evidence = [regularised.Solution(decomposition, problem.right(shift)).evidence() / DEPENDENT
                 + (shift * problem.step)**2 / (unsure**2 + OF_DIP**2)
                 for shift in range(-SEARCH, SEARCH + 1)]
     at = int(np.argmin(evidence))
@@ -250,6 +275,10 @@ def evaluate(acceleration, kernel, speed, doubtful=None, quantity="acceleration"
     came = arrival(found, kernel, speed)
     upright = np.asarray(acceleration, float) * (-1 if found.reversed else 1)
     if refined:
+        for _ in range(ROUNDS):
+            forces = identify(Problem(upright, kernel, speed, came.start, "acceleration", first,
+                                      bounds))
+            came = arrival(found, kernel, speed, forces, first)
         shift, deviation = placed(Problem(upright, kernel, speed, came.start, "acceleration", first,
                                           bounds), came.deviation)
         came = dataclasses.replace(came, start=came.start - shift, deviation=deviation)
