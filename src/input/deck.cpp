@@ -98,7 +98,6 @@ void apply(const std::string& override_text, Node& root, Problems& problems) {
   const std::string words = stripped(override_text.substr(equals + 1));
   Node value = parse_value(words);
   mark_override(value);
-  if (!value.is_list() && value.kind != Node::Kind::text) value.text = words;
   const std::string wrong = put(root, stripped(override_text.substr(0, equals)), std::move(value));
   if (!wrong.empty()) problems.add(&on_command_line, wrong);
 }

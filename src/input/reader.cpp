@@ -28,6 +28,11 @@ bool is_text(const Node& node) {
   return node.kind == Kind::text || (node.from_override && !node.text.empty());
 }
 
+// TOML reads 60E2 as the number 6000.
+std::string as_written(const Node& node) {
+  return node.kind == Kind::text || node.text.empty() ? shown(node) : node.text;
+}
+
 // "5 mm": the unit was written beside the number.
 bool starts_like_a_number(const std::string& text) {
   const std::size_t at = text.find_first_not_of(" +-.");
@@ -120,9 +125,11 @@ void Reader::text(std::string_view name, std::string& value, std::string_view,
   }
   if (!choices.empty() &&
       (!is_text(*node) || std::find(choices.begin(), choices.end(), node->text) == choices.end()))
-    return reject(*node, path_of(name),
-                  fmt::format("must be {}{}", listed(choices),
-                              did_you_mean(nearest(node->text, {choices.begin(), choices.end()}))));
+    return problem(
+        node, path_of(name),
+        fmt::format(" = {} must be {}{}{}", as_written(*node), listed(choices),
+                    node->is_value() && !is_text(*node) ? " (in quotes)" : "",
+                    did_you_mean(nearest(node->text, {choices.begin(), choices.end()}))));
   if (!is_text(*node)) return reject(*node, path_of(name), "must be text (in quotes)");
   value = node->text;
 }

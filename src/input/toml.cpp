@@ -7,7 +7,8 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <sstream>
+#include <string>
+#include <string_view>
 
 #include "input/tree.hpp"
 #include "trackbed/core/error.hpp"
@@ -16,12 +17,12 @@ namespace trackbed::input {
 
 namespace {
 
-Node converted(const toml::node& source);
+Node converted(const toml::node& source, std::string_view document);
 
-Node converted_table(const toml::table& source) {
+Node converted_table(const toml::table& source, std::string_view document) {
   Node node;
   for (const auto& [key, value] : source)
-    node.members.push_back({std::string(key.str()), converted(value)});
+    node.members.push_back({std::string(key.str()), converted(value, document)});
   // toml++ sorts by name; the order of the file is restored.
   std::stable_sort(node.members.begin(), node.members.end(),
                    [](const auto& a, const auto& b) { return a.value.line < b.value.line; });
@@ -29,11 +30,24 @@ Node converted_table(const toml::table& source) {
 }
 
 // Items may be of any kind; the reader checks them.
-Node converted_list(const toml::array& source) {
+Node converted_list(const toml::array& source, std::string_view document) {
   Node node;
   node.kind = Node::Kind::list;
-  for (const auto& item : source) node.items.push_back(converted(item));
+  for (const auto& item : source) node.items.push_back(converted(item, document));
   return node;
+}
+
+// What a document says from one position to another of a line, of which columns count characters.
+std::string words_of(const toml::source_region& region, std::string_view document) {
+  for (toml::source_index line = 1; line < region.begin.line; ++line)
+    document.remove_prefix(std::min(document.find('\n'), document.size() - 1) + 1);
+  std::string words;
+  toml::source_index column = 0;
+  for (const char c : document.substr(0, document.find('\n'))) {
+    column += (static_cast<unsigned char>(c) & 0xc0) != 0x80;  // other bytes continue a character
+    if (column >= region.begin.column && column < region.end.column) words += c;
+  }
+  return words;
 }
 
 // TOML's integers have 64 bits and its numbers are doubles: nothing is rounded here.
@@ -44,24 +58,20 @@ Node converted_scalar(const toml::node& source) {
   if (const auto* value = source.as_string()) return make_text(value->get());
   Node date;  // a date or time, which no parameter accepts
   date.kind = Node::Kind::other;
-  std::ostringstream words;
-  source.visit([&](const auto& value) {
-    if constexpr (!toml::is_table<decltype(value)> && !toml::is_array<decltype(value)>)
-      words << value.get();
-  });
-  date.text = words.str();
   return date;
 }
 
 // Line numbers are kept, since every message about a value begins with its line.
-Node converted(const toml::node& source) {
+Node converted(const toml::node& source, std::string_view document) {
   Node node;
   if (const auto* table = source.as_table())
-    node = converted_table(*table);
+    node = converted_table(*table, document);
   else if (const auto* list = source.as_array())
-    node = converted_list(*list);
+    node = converted_list(*list, document);
   else
     node = converted_scalar(source);
+  if (node.is_value() && !node.is_list() && node.kind != Node::Kind::text)
+    node.text = words_of(source.source(), document);
   node.line = static_cast<int>(source.source().begin.line);
   // A section that is defined only by its sub-sections has no line: use that of the first one.
   if (node.line == 0 && node.is_table() && !node.members.empty())
@@ -75,7 +85,7 @@ Node converted(const toml::node& source) {
 // The parser stops at the first error, so invalid TOML causes one message only.
 Node parse_toml(const std::string& text, const std::string& origin) {
   try {
-    return converted_table(toml::parse(std::string_view(text)));
+    return converted_table(toml::parse(std::string_view(text)), text);
   } catch (const toml::parse_error& error) {
     throw InputError({fmt::format("{}:{}: {}", origin, static_cast<int>(error.source().begin.line),
                                   error.description())});
@@ -86,9 +96,11 @@ Node parse_toml(const std::string& text, const std::string& origin) {
 // value that is not TOML is text; a wrong type is detected by the reader.
 Node parse_value(const std::string& text) {
   try {
-    const toml::table table = toml::parse("value = " + text);
+    const std::string document = "value = " + text;
+    const toml::table table = toml::parse(document);
     // More than one key: the text contained a line break and is not one value.
-    if (table.size() == 1 && table.contains("value")) return converted(*table.get("value"));
+    if (table.size() == 1 && table.contains("value"))
+      return converted(*table.get("value"), document);
   } catch (const toml::parse_error&) {
   }
   return make_text(text);

@@ -9,9 +9,9 @@
 
 namespace trackbed::input {
 
-// One struct for all kinds: only the member of `kind` is meaningful; for a single value of the
-// command line `text` also holds the original words. A variant would be smaller, but a deck has
-// only a few hundred values.
+// One struct for all kinds: only the member of `kind` is meaningful; `text` also holds the words of
+// any single value that was read. A variant would be smaller, but a deck has only a few hundred
+// values.
 struct Member;
 struct Node {
   enum class Kind { table, list, number, integer, flag, text, other };

@@ -84,8 +84,16 @@ TEST(Deck, ReportsWhatAValueMustBe) {
             (Sentences{
                 "deck.toml:2: dem.skin = \"5 mm\" must be a number; give a number in m: 0.005",
                 "deck.toml:3: dem.safety = \"0.5\" must be a number; give a number without quotes",
-                "deck.toml:4: dem.law = 2020-01-01 must be \"linear\" or \"hertz\"",
+                "deck.toml:4: dem.law = 2020-01-01 must be \"linear\" or \"hertz\" (in quotes)",
             }));
+  // As it was written, whatever TOML makes of it and precedes it in the line.
+  EXPECT_EQ(problems_of("[dem]\nlaw = 60E2\n"),
+            Sentences{"deck.toml:2: dem.law = 60E2 must be \"linear\" or \"hertz\" (in quotes)"});
+  EXPECT_EQ(problems_of("dem = {'\u00e9' = 1, law = 6_0}  # 7\n"),
+            (Sentences{"deck.toml:1: dem.law = 6_0 must be \"linear\" or \"hertz\" (in quotes)",
+                       "deck.toml:1: dem.\u00e9 is not a parameter"}));
+  EXPECT_EQ(problems_of("", {"dem.law=60E2"}),
+            Sentences{"command line: dem.law = 60E2 must be \"linear\" or \"hertz\""});
 }
 
 // Within the limits of the parameter, but outside of the range of usable magnitudes: rejected.
