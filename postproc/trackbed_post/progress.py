@@ -66,6 +66,17 @@ def _last(events: collections.abc.Sequence[Event], kind: str) -> Event:
     return next((one for one in reversed(events) if one.get("event") == kind), {})
 
 
+def warnings_of(folder: pathlib.Path) -> list[str]:
+    """Warnings up to now; the last command repeats those of the ones before."""
+    found: list[str] = []
+    for event in events_of(folder):
+        if event.get("event") == "begin":
+            found.clear()
+        elif event.get("event") == "warning":
+            found.append(str(event.get("message", "")))
+    return found
+
+
 def _part_done(event: Event) -> str:
     """Of the windows of its stage, in brackets; empty if their number is not known."""
     at_most = event.get("windows_at_most", 0)

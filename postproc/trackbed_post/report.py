@@ -52,6 +52,10 @@ class Run:
     def name(self):
         return self.folder.resolve().name
 
+    def warnings(self):
+        """Up to now; a run that computes has none in its summary, or those before it continued."""
+        return progress.warnings_of(self.folder) or self.summary.get("warnings", [])
+
     def state(self):
         if progress.computes(self.folder):
             return "still running"
@@ -151,10 +155,10 @@ def of_bed(folder):
 
 def warnings_of(runs):
     lines = [element("p", f"{run.name}: {one}", **{"class": "warning"})
-             for run in runs for one in (*run.summary.get("warnings", []), *of_bed(run.folder),
+             for run in runs for one in (*run.warnings(), *of_bed(run.folder),
                                          *passage_warnings.of_folder(run.folder))]
-    return "\n".join(lines) or element("p", "None." if any(run.summary for run in runs)
-                                       else "Known when the run has ended.")
+    return "\n".join(lines) or element("p", "None." if all(run.summary for run in runs)
+                                       else "None up to now.")
 
 
 def compared_with(results, over):

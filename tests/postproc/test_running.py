@@ -38,6 +38,14 @@ def test_a_run_that_computes_has_not_been_stopped(runs, tmp_path, at, words):
     assert why.startswith("wedge contains no passage: the run is computing") and why.endswith(words)
 
 
+def test_warnings_of_a_run_are_those_of_its_last_command(runs, tmp_path):
+    first, again = ({"event": "warning", "message": words} for words in ("soft", "softer"))
+    begin = {"event": "begin"}
+    before_its_passage(runs[0], tmp_path, begin, first, begin, first, {"event": "end"}, again)
+    assert progress.warnings_of(tmp_path) == ["soft", "softer"]
+    assert progress.warnings_of(tmp_path / "none") == []
+
+
 @pytest.mark.parametrize("events, words", [
     ([], "was stopped before it"),
     ([{"event": "progress", **AT_LOAD}], "was killed before it"),

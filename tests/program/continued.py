@@ -51,8 +51,12 @@ def check_again(program, deck, folder):
            and "dem.safety = 0.21" in ran.stderr and "stage[5].duration = 0.25" in ran.stderr,
            "a run of another deck must be refused", ran)
     program.done(1, *again, "-o", place)
-    expect(hash_of(place) == hash_of(folder / "whole"), "the state must be that of one run",
-           program(1, "info", place))
+    ran = program.done(1, "info", place)
+    expect(hash_of(place) == hash_of(folder / "whole"), "the state must be that of one run", ran)
+    warnings = summary(place)["warnings"]
+    expect(warnings and warnings == [line.removeprefix("  warning: ") for line in
+                                     ran.stdout.splitlines() if line.startswith("  warning: ")],
+           "info must state all warnings", ran)
     expect(events(place).count("begin") == 3 and lines(place)[-1]["outcome"] == "finished",
            f"events {events(place)}", ran)
     ran = program.done(1, *again, "-o", place)

@@ -22,21 +22,32 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // The last line of each kind of event, of progress and end since the last command began; of any
-// kind under "any". Null if there is none.
-using LastEvents = std::map<std::string, Json>;
+// kind under "any". Null if there is none. `warnings`: all since the last command began, which
+// repeats those before.
+struct Events {
+  std::map<std::string, Json> last;
+  std::vector<std::string> warnings;
+};
+
+std::string text(const Json& line, const char* key) {
+  const auto found = line.find(key);
+  return found != line.end() && found->is_string() ? found->get<std::string>() : "?";
+}
 
 // Lines that are not JSON, of a run that was killed while it wrote, are passed over.
-LastEvents last_events_in(const std::string& folder) {
-  LastEvents last;
+Events events_in(const std::string& folder) {
+  Events found;
+  auto& [last, warnings] = found;
   std::ifstream file(folder + "/" + progress_file);
-  for (std::string text; std::getline(file, text);) {
-    const Json line = Json::parse(text, nullptr, false);
+  for (std::string words; std::getline(file, words);) {
+    const Json line = Json::parse(words, nullptr, false);
     if (!line.is_object() || !line.contains("event") || !line["event"].is_string()) continue;
     const std::string event = line["event"];
-    if (event == "begin") last["progress"] = last["end"] = Json();
+    if (event == "begin") last["progress"] = last["end"] = Json(), warnings.clear();
+    if (event == "warning") warnings.push_back(text(line, "message"));
     last[event] = last["any"] = line;
   }
-  return last;
+  return found;
 }
 
 // 0 for what no run writes: the file may be damaged.
@@ -45,11 +56,6 @@ double number(const Json& line, const char* key) {
   const auto found = line.find(key);
   const double value = found != line.end() && found->is_number() ? found->get<double>() : 0;
   return std::abs(value) < most ? value : 0;
-}
-
-std::string text(const Json& line, const char* key) {
-  const auto found = line.find(key);
-  return found != line.end() && found->is_string() ? found->get<std::string>() : "?";
 }
 
 // A run that computes holds the lock. The test takes it for a moment; a run that begins waits.
@@ -69,7 +75,7 @@ double seconds_since(const Json& line) {
   return std::max(unix_time() - number(line, "unix_time_s"), 0.0);
 }
 
-std::string state_of(LastEvents& last, bool computes) {
+std::string state_of(std::map<std::string, Json>& last, bool computes) {
   if (computes)
     return fmt::format(
         "computing since {}",
@@ -106,22 +112,10 @@ std::string figures_of(const Json& line) {
   return words.empty() ? "" : words + "\n";
 }
 
-// Warnings of the run, as its summary lists them.
-std::string warnings_of(const std::string& folder) {
-  std::ifstream file(folder + "/summary.json");
-  const Json summary = Json::parse(file, nullptr, false);
-  if (!summary.is_object() || !summary.contains("warnings") || !summary["warnings"].is_array())
-    return "";
-  std::string words;
-  for (const Json& warning : summary["warnings"])
-    if (warning.is_string()) words += "  warning: " + warning.get<std::string>() + "\n";
-  return words;
-}
-
 }  // namespace
 
 std::string describe_progress(const std::string& folder) {
-  LastEvents last = last_events_in(folder);
+  auto [last, warnings] = events_in(folder);
   if (last["begin"].is_null()) return "";
   const bool computes = is_locked(folder);
   std::string words =
@@ -149,7 +143,8 @@ std::string describe_progress(const std::string& folder) {
         "  no event for {} (h:mm:ss): check that the process on {} still runs (the static "
         "equilibrium of a ground may take as long)\n",
         model::clock_words(since), text(last["begin"], "host"));
-  return words + warnings_of(folder);
+  for (const std::string& warning : warnings) words += "  warning: " + warning + "\n";
+  return words;
 }
 
 }  // namespace trackbed::app

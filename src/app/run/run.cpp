@@ -46,11 +46,27 @@ Outcome Run::execute() {
   } catch (const RunError& error) {
     std::string state = scheme_.rescue();
     if (!state.empty()) state += "; ";
+    note_warnings();
     progress_.note("end", {{"outcome", "failed"}, {"message", error.what()}});
     throw RunError(fmt::format("{} (at {:.6g} s, stage \"{}\"); {}{}", error.what(),
                                course_.clock.time(), scheme_.stage(), state,
                                what_is_left(last_checkpoint_, started_from_, context_.folder)));
+  } catch (const std::exception& error) {  // of one rank, such as a lack of memory
+    progress_.note("end", {{"outcome", "failed"}, {"message", error.what()}});
+    throw;
   }
+}
+
+std::vector<std::string> Run::warnings() const {
+  std::vector<std::string> all = deck_warnings_;
+  all.insert(all.end(), course_.warnings.begin(), course_.warnings.end());
+  return all;
+}
+
+void Run::note_warnings() {
+  const std::vector<std::string> all = warnings();
+  for (; warnings_noted_ < all.size(); ++warnings_noted_)
+    progress_.note("warning", {{"message", all[warnings_noted_]}});
 }
 
 // A resumed run enters a stage that has begun, and so skips `begin_stage`; nothing else differs.
@@ -59,6 +75,7 @@ Outcome Run::execute() {
 Outcome Run::run_stages() {
   model::catch_interrupts();
   progress_.begin(last_checkpoint_.empty() ? started_from_ : last_checkpoint_);
+  note_warnings();
   mark_unfinished(context_.comm, context_.folder);
   scheme_.start();
   context_.log.mark(course_.clock.time());
@@ -101,6 +118,7 @@ void Run::report() {
   nlohmann::ordered_json line{{"speed", pace.speed}, {"remaining_s", pace.left}};
   line.update(status.figures);
   progress_.note("progress", line);
+  note_warnings();
 }
 
 // Called again for the same window by a run that is resumed there.
@@ -127,6 +145,7 @@ Outcome Run::stop_with_checkpoint() {
 
 Outcome Run::stop() {
   write_summary(Outcome::stopped);
+  note_warnings();
   progress_.note("end", {{"outcome", "stopped"}});
   return Outcome::stopped;
 }
@@ -139,6 +158,7 @@ Outcome Run::finish() {
   write_summary(Outcome::finished);
   scheme_.finish();
   write_summary(Outcome::finished);
+  note_warnings();
   progress_.note("end", {{"outcome", "finished"}});
   return Outcome::finished;
 }

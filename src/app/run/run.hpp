@@ -51,12 +51,14 @@ class Run {
   Verdict agree();
   void plan_next_agreement();
   void report();
+  void note_warnings();
   bool is_long_without_checkpoint() const;  // on rank 0
   void periodic_checkpoint();
   std::string name_of_checkpoint() const;
   void checkpoint(const std::string& name);
   void save(io::File& file);
   void load(const io::File& file);
+  std::vector<std::string> warnings() const;  // of the deck, then of the run
   void write_summary(Outcome outcome);
 
   model::RunContext& context_;
@@ -65,6 +67,7 @@ class Run {
   model::Course& course_ = context_.course;
   std::string last_checkpoint_, started_from_;
   std::vector<std::string> deck_warnings_;         // before the run began
+  std::size_t warnings_noted_ = 0;                 // in progress.jsonl
   std::vector<std::string> periodic_checkpoints_;  // of this run, oldest first
   std::int64_t agreed_ = 0, next_agreement_ = 0;   // windows of the run
   double agreed_at_ = 0, checkpoint_at_ = 0;       // s of wall time

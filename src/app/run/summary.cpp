@@ -86,9 +86,7 @@ void Run::write_summary(Outcome outcome) {
   json["share"] = time_fractions(comm, context_.timers, wall);
   json["timers"] = times(comm, context_.timers);
   json["memory_mb_per_rank"] = comm.max(peak_memory_mb());
-  std::vector<std::string> warnings = deck_warnings_;
-  warnings.insert(warnings.end(), course_.warnings.begin(), course_.warnings.end());
-  json["warnings"] = warnings;
+  json["warnings"] = warnings();
   // Warnings may name files whose names are no UTF-8.
   write_summary_file(comm, context_.folder,
                      json.dump(2, ' ', false, Json::error_handler_t::replace));
