@@ -58,13 +58,13 @@ def legend_above(panel: Axes, columns: int = 4, size: float = 8) -> None:
                  fontsize=size, frameon=False)
 
 
-def title_above(panel: Axes, text: str, size: float = 10) -> None:
+def title_above(panel: Axes, text: str, size: float = 10, weight: str = "normal") -> None:
     """A title above the legend of legend_above()."""
     legend, figure = panel.get_legend(), panel.figure
     high = 0.0
     if legend is not None:
         high = legend.get_window_extent(figure.canvas.get_renderer()).height
-    panel.set_title(text, fontsize=size, pad=high * 72 / figure.dpi + TITLE_PAD)
+    panel.set_title(text, fontsize=size, fontweight=weight, pad=high * 72 / figure.dpi + TITLE_PAD)
 
 
 def legend_below(panel: Axes, columns: int = 2, size: float = 8,

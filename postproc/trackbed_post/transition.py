@@ -285,7 +285,8 @@ def draw_into(results, folder):
     caption = transition_caption.of(trains, changes, unsound, bool(warnings))
     if warnings:
         sentence = "\n".join([sentence, "Warnings of the runs:", *(f"{one}." for one in warnings)])
-    folder.picture("transition", transition_figures.compare(trains, changes, caption))
+    titles = transition_caption.titles(trains, changes, unsound)
+    folder.picture("transition", transition_figures.compare(trains, changes, titles, caption))
     folder.picture("model", transition_figures.draw_model(trains[0], results[0]),
                    write.origin_of(results[:1]))
     for name, text in curves(trains).items():

@@ -1,6 +1,7 @@
-"""The text below transition.png: a few short sentences, on levels of rail and sleepers, wheel
-forces and limits. transition.txt has the whole verdict with all places and differences, and
-the warnings. Of `trains` and `changes` as in transition_verdict.py."""
+"""The texts of transition.png: a sentence above each panel, what it shows, and below them why there
+is no verdict, or places of steepest changes, levels of sleepers, and limits. transition.txt has the
+whole verdict with all places and differences, and the warnings. Of `trains` and `changes` as in
+transition_verdict.py."""
 from __future__ import annotations
 
 import typing
@@ -31,18 +32,24 @@ def level(trains: list[Train], changes: list[Change]) -> str:
     return f"{words}; its steepest part is {steep}."
 
 
+def named(trains: list[Train], values: typing.Iterable[float], unit: str) -> str:
+    """A value of one run, or of two with their names."""
+    texts = [f"{shown(value)} {unit}" for value in values]
+    return texts[0] if len(texts) == 1 else " and ".join(
+        f"{text} ({train.name})" for text, train in zip(texts, trains))
+
+
 def forces(trains: list[Train], changes: list[Change], unsound: str) -> str:
     """The largest wheel forces, beside those on plain track."""
-    def both(field: str) -> str:
-        return " and ".join(shown(1e-3 * getattr(change, field)) for change in changes)
+    plain = " and ".join(shown(1e-3 * change.force_plain) for change in changes)
+    largest = named(trains, (1e-3 * change.force for change in changes), "kN")
     judged, beside = "", ", on plain track"
     if len(changes) == 2:
         beside = beside_plain(trains, changes, unsound)
         if not unsound:
             found = transition_verdict.differences(trains, changes)["force"]
             judged = f": {found.judged(transition_verdict.measure_of(trains))[0]}"
-    return (f"Largest wheel force in the transition: {both('force')} kN{judged}{beside} "
-            f"{both('force_plain')} kN.")
+    return f"Largest wheel force in the transition: {largest}{judged}{beside} {plain} kN."
 
 
 def beside_plain(trains: list[Train], changes: list[Change], unsound: str) -> str:
@@ -73,23 +80,37 @@ def limits(trains: list[Train], changes: list[Change]) -> str:
             f"of stones was computed{shared}.")
 
 
+def settlement(trains: list[Train]) -> str:
+    """The largest one of sleepers that are not at the ends of the bed."""
+    found = named(trains, (1e3 * train.settlement_judged().max() for train in trains), "mm")
+    return f"Largest settlement of a sleeper in this passage: {found}."
+
+
+def titles(trains: list[Train], changes: list[Change] | None, unsound: str) -> tuple[str, str, str]:
+    """What the panels show: level, wheel force, settlement. Without a verdict as numbers alone."""
+    if changes is None:
+        return ("Lowest level of rail and sleepers under the train.",
+                "Largest wheel force along the track.", settlement(trains))
+    why = transition_verdict.why_no_verdict(trains, changes) or unsound
+    first = level(trains, changes) if why else transition_verdict.effect(trains, changes, True)
+    return first, forces(trains, changes, why), settlement(trains)
+
+
 def judged(trains: list[Train], changes: list[Change]) -> list[str]:
-    """Of two runs with a verdict: effect on rail and sleepers, wheel forces, limits."""
+    """Of two runs with a verdict: places on the rail, effect on sleepers, limits."""
     both = ", instead of ".join(steepest(changes))
-    return [transition_verdict.effect(trains, changes, True),
-            f"The steepest change of the rail is {both}.",
-            transition_verdict.of_sleepers(trains, changes, True), forces(trains, changes, ""),
+    return [f"The steepest change of the rail is {both}.",
+            transition_verdict.of_sleepers(trains, changes, True),
             f"Limits: {limits(trains, changes)}"]
 
 
 def of(trains: list[Train], changes: list[Change] | None, unsound: str, warned: bool) -> str:
-    """The text; `unsound`: why these beds have no verdict, `warned`: whether transition.txt has
-    warnings."""
+    """The text below the panels; `unsound`: why these beds have no verdict, `warned`: whether
+    transition.txt has warnings."""
     why = transition_verdict.why_no_verdict(trains, changes) or unsound
     lines = [f"No verdict: {why}."] if why else []
     if changes is not None:
-        lines += [level(trains, changes), forces(trains, changes, why),
-                  f"Limits: {limits(trains, changes)}"] if why else judged(trains, changes)
+        lines += [f"Limits: {limits(trains, changes)}"] if why else judged(trains, changes)
     if warned:
         behind = 0 if why else -1  # the reason against a verdict may be one of them
         lines[behind] = f"{lines[behind][:-1]}; warnings are in transition.txt."

@@ -15,9 +15,7 @@ STYLES = tuple({"color": colour, "ls": line}
                for colour, line in zip(("#0b559f", "#d95f02"), panels.LINES))
 WRAP = 118           # characters of a line below transition.png
 LIGHT = 0.3          # opacity of the rail where it is not judged
-TITLES = ("Lowest level of rail and sleepers under the train",
-          "Largest wheel force along the track",
-          "Settlement of the sleepers into the bed after the train")
+WRAP_TITLE = 104     # of one above a panel
 NEAR = 2.0           # m, shown around a transition
 BETWEEN = 2.68       # inches, of the texts between both panels of the model above its lower edge
 
@@ -97,8 +95,8 @@ def name_axes(force, level, settled):
     for panel, marker in ((level, "o"), (settled, "s")):
         panel.plot([], [], ls="", marker=marker, ms=3, color="0.2", mfc="white", mew=0.8,
                    label="not judged (ends of the bed)")
-    level.set_ylabel(f"lowest level,\n{panels.UP}")
-    settled.set_ylabel(f"sleepers relative to\nthe ground, {panels.UP}")
+    level.set_ylabel(f"lowest level of rail and\nsleepers under the train,\n{panels.UP}")
+    settled.set_ylabel(f"sleepers after the\ntrain, {panels.UP}")
     force.set_ylabel("largest wheel force\nof all axles, kN")
     settled.set_xlabel("x along the track, m")
     for panel in (level, force, settled):
@@ -108,8 +106,9 @@ def name_axes(force, level, settled):
                    textcoords="offset points", ha="right", va="bottom", fontsize=9)
 
 
-def compare(trains, changes, sentence):
-    """Three panels along the track, all designs in each: that with the answer first."""
+def compare(trains, changes, titles, sentence):
+    """Three panels along the track, all designs in each: that with the answer first. `titles`:
+    what each shows, as sentences."""
     stretches = ground_blocks.stretches(trains[0].run)
     figure, (level, force, settled) = plt.subplots(
         3, 1, figsize=(10, 9.6), sharex=True, gridspec_kw={"height_ratios": (1.4, 1, 0.8)})
@@ -124,11 +123,11 @@ def compare(trains, changes, sentence):
         bracket_zones(level, trains[0], changes[0].zone)
     name_axes(force, level, settled)
     figure.suptitle(model_drawing.heading(trains[0].run), fontsize=11)
-    for panel, title in zip((level, force, settled), TITLES):
+    for panel, title in zip((level, force, settled), titles):
         shades.shade(panel, stretches)
         panel.grid(alpha=0.3)
         panels.legend_above(panel)
-        panels.title_above(panel, title)
+        panels.title_above(panel, textwrap.fill(title, WRAP_TITLE), weight="bold")
     shades.name(level, stretches)
     text = wrapped(sentence)
     below = 0.18 * (text.count("\n") + 1)  # inches

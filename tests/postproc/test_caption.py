@@ -23,8 +23,11 @@ def sentences(text):
     return re.split(r"(?<=\.) (?=[A-Z0-9])", text)
 
 
-def test_the_caption_has_effect_sleepers_force_and_limits_in_this_order():
-    effect, steepest, sleepers, force, limits = sentences(transition_caption.of(*pair(), "", True))
+def test_panels_have_their_message_as_title_and_the_rest_is_below_them():
+    effect, force, settlement = transition_caption.titles(*pair(), "")
+    steepest, sleepers, limits = sentences(transition_caption.of(*pair(), "", True))
+    assert settlement == ("Largest settlement of a sleeper in this passage: "
+                          "0.100 mm (with wedge) and 0.100 mm (without wedge).")
     assert effect == (
         "With the wedge the change from structure to plain track extends over 2.7 m instead of 0.5 "
         "m, and its steepest part is 80% less steep: as expected of a wedge.")
@@ -34,8 +37,9 @@ def test_the_caption_has_effect_sleepers_force_and_limits_in_this_order():
         "The change of the sleepers' own levels extends over 2.7 m instead of 0.5 m; its steepest "
         "part is 0.20 mm/m, 1.5 m behind the structure, instead of 1.0 mm/m, 0.3 m behind the "
         "structure: both are as expected of a wedge.")
-    assert force == ("Largest wheel force in the transition: 60.0 and 60.0 kN: no clear effect, "
-                     "and not clearly larger than those on plain track, 60.0 and 60.0 kN.")
+    assert force == (
+        "Largest wheel force in the transition: 60.0 kN (with wedge) and 60.0 kN (without wedge): "
+        "no clear effect, and not clearly larger than those on plain track, 60.0 and 60.0 kN.")
     assert limits.startswith(
         "Limits: the scatter between neighbouring sleepers on plain track is 0.0 mm/m; ")
     assert "one packing of stones was computed" in limits
@@ -46,13 +50,13 @@ def test_the_caption_has_effect_sleepers_force_and_limits_in_this_order():
 def test_a_force_that_is_larger_than_elsewhere_is_called_so():
     trains, _ = pair()
     trains[1].passing.force[np.abs(trains[1].passing.x - 6.9) < 0.05] = 80e3
-    text = transition_caption.of(trains, transition.changes_of(trains), "", False)
+    text = transition_caption.titles(trains, transition.changes_of(trains), "")[1]
     assert text.count("and clearly larger than those on plain track (without wedge only)") == 1
     assert "Without wedge, it is clearly larger" in transition_verdict.verdict(
         trains, transition.changes_of(trains))
     trains[0].passing.force[np.abs(trains[0].passing.x - 6.9) < 0.05] = 80e3
     changes = transition.changes_of(trains)
-    text = transition_caption.of(trains, changes, "", False)
+    text = transition_caption.titles(trains, changes, "")[1]
     assert "and clearly larger than those on plain track, 60.0" in text
     assert "With wedge and without wedge, it is clearly larger" in transition_verdict.verdict(
         trains, changes)
@@ -62,11 +66,11 @@ def test_names_keep_their_capitals():
     """A folder's whole name, and that of a block behind our first word."""
     trains = [dataclasses.replace(train, name=f"run_{name}", run=types.SimpleNamespace(
         **{**vars(train.run), "name": f"run_{name}"})) for train, name in zip(pair()[0], "AB")]
-    text = transition_caption.of(trains, transition.changes_of(trains), "not known", False)
+    text = transition_caption.titles(trains, transition.changes_of(trains), "not known")[0]
     assert "run_A, the change of" in text and "run_B 1.0 mm/m, 0.3 m behind" in text
     slabs = [dataclasses.replace(train, name=f"{word} Slab")
              for train, word in zip(trains, ("with", "without"))]
-    text = transition_caption.of(slabs, transition.changes_of(slabs), "not known", False)
+    text = transition_caption.titles(slabs, transition.changes_of(slabs), "not known")[0]
     assert "With Slab, the change of" in text and ", without Slab 1.0 mm/m, 0.3 m" in text
 
 
@@ -88,7 +92,7 @@ def test_a_change_that_is_never_reached_has_no_distance():
             (never[:1], "plain track is not reached; its steepest part"),
             ([never[0], changes[1]], "not reached, without wedge it extends over 0.5 m; its"),
             ([changes[0], never[1]], "over 2.7 m, without wedge the end of it is not reached;")):
-        text = transition_caption.of(trains[:len(given)], given, "", False)
+        text = transition_caption.titles(trains[:len(given)], given, "")[0]
         assert words in text and "nan" not in text
 
 
@@ -97,12 +101,17 @@ def test_the_caption_states_why_there_is_no_verdict_and_the_numbers():
     first, *rest = sentences(text)
     assert first == ("No verdict: 1 of 31 sleepers hang (run with wedge); warnings are in "
                      "transition.txt.")
-    assert len(rest) == 3 and "expected" not in text and "clear" not in text
+    assert len(rest) == 1 and rest[0].startswith("Limits: ")
+    titles = " ".join(transition_caption.titles(*pair(), "1 of 31 sleepers hang"))
+    assert "extends over 2.7 m" in titles and "on plain track 60.0 and 60.0 kN." in titles
+    assert "expected" not in titles and "clear" not in titles
     one = [test_transition.train(7.8)]
     text = transition_caption.of(one, transition.changes_of(one), "", False)
-    assert len(sentences(text)) == 4 and text.startswith("No verdict: give a second run")
+    assert len(sentences(text)) == 2 and text.startswith("No verdict: give a second run")
     assert "both runs" not in text
     assert transition_caption.of(one, None, "", False).count(".") == 1
+    assert transition_caption.titles(one, None, "")[0] == (
+        "Lowest level of rail and sleepers under the train.")
 
 
 def test_the_file_has_the_whole_verdict_and_the_figure_the_short_one(tmp_path, monkeypatch):
@@ -132,7 +141,7 @@ def test_the_file_has_the_whole_verdict_and_the_figure_the_short_one(tmp_path, m
 def test_names_of_parts_do_not_cover_their_brackets(monkeypatch):
     monkeypatch.setattr(model_drawing, "heading", lambda run: "made")
     trains, changes = pair()
-    figure = transition_figures.compare(trains, changes, "A verdict.")
+    figure = transition_figures.compare(trains, changes, ("A.", "B.", "C."), "A verdict.")
     figure.canvas.draw()
     panel = figure.axes[0]
     brackets = [line for line in panel.lines if line.get_transform() != panel.transData
@@ -149,11 +158,10 @@ def test_names_of_parts_do_not_cover_their_brackets(monkeypatch):
 def test_the_answer_is_in_the_first_panel_and_ends_of_the_bed_are_marked(monkeypatch):
     monkeypatch.setattr(model_drawing, "heading", lambda run: "made")
     trains, changes = pair()
-    figure = transition_figures.compare(trains, changes, "A verdict.")
+    titles = transition_caption.titles(trains, changes, "")
+    figure = transition_figures.compare(trains, changes, titles, "A verdict.")
     figure.canvas.draw()
-    titles = [panel.get_title() for panel in figure.axes]
-    assert [title.split()[:2] for title in titles] == [
-        ["Lowest", "level"], ["Largest", "wheel"], ["Settlement", "of"]]
+    assert [" ".join(panel.get_title().split()) for panel in figure.axes] == list(titles)
     ends = test_transition.X[[0, 1, 2, -3, -2, -1]]
     for panel in figure.axes[::2]:
         hollow = [line for line in panel.lines if len(line.get_xdata()) == len(ends)

@@ -44,7 +44,8 @@ def pair():
 def drawn_transition(monkeypatch):
     monkeypatch.setattr(model_drawing, "heading", lambda run: "made")
     trains = pair()
-    return transition_figures.compare(trains, transition.changes_of(trains), "A verdict.")
+    return transition_figures.compare(trains, transition.changes_of(trains), ("A.", "B.", "C."),
+                                      "A verdict.")
 
 
 def test_legends_are_outside_of_the_curves(runs, monkeypatch):

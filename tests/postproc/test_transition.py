@@ -215,7 +215,9 @@ def test_no_verdict_follows_from_a_change_within_the_scatter():
         "scatter on plain track: no verdict from it. " in text
     assert "0.20 mm/m, not larger than the scatter, instead of 1.0 mm/m, not larger than" in text
     for given in (pair, pair[:1]):
-        caption = transition_caption.of(given, transition.changes_of(given), "", False)
+        changes = transition.changes_of(given)
+        caption = " ".join((*transition_caption.titles(given, changes, ""),
+                            transition_caption.of(given, changes, "", False)))
         assert "0.20 mm/m, not larger than the scatter" in caption
         assert "0.20 mm/m, 1.5 m" not in caption
 
