@@ -8,7 +8,7 @@ import typing
 
 import numpy as np
 
-from trackbed_post import transition_verdict
+from trackbed_post import bed_warnings, transition_verdict
 from trackbed_post.judgement import shown
 from trackbed_post.measures import TINY
 from trackbed_post.transition_verdict import extends, length, slope, steepest
@@ -40,26 +40,22 @@ def named(trains: list[Train], values: typing.Iterable[float], unit: str) -> str
 
 
 def forces(trains: list[Train], changes: list[Change], unsound: str) -> str:
-    """The largest wheel forces, beside those on plain track."""
-    plain = " and ".join(shown(1e-3 * change.force_plain) for change in changes)
+    """The largest wheel forces; beside those on plain track, if they are clearly larger."""
     largest = named(trains, (1e-3 * change.force for change in changes), "kN")
-    judged, beside = "", ", on plain track"
-    if len(changes) == 2:
-        beside = beside_plain(trains, changes, unsound)
-        if not unsound:
-            found = transition_verdict.differences(trains, changes)["force"]
-            judged = f": {found.judged(transition_verdict.measure_of(trains))[0]}"
-    return f"Largest wheel force in the transition: {largest}{judged}{beside} {plain} kN."
-
-
-def beside_plain(trains: list[Train], changes: list[Change], unsound: str) -> str:
-    """How the wheel forces of two runs are beside those on plain track, in words."""
-    if unsound:
-        return ", on plain track"
+    words = f"Largest wheel force in the transition: {largest}"
+    if len(changes) < 2 or unsound:
+        return f"{words}."
+    found = transition_verdict.differences(trains, changes)["force"]
+    words += f": {found.judged(transition_verdict.measure_of(trains))[0]}"
     larger = transition_verdict.clearly_larger(trains, changes)
-    clearly = "clearly" if larger else "not clearly"
     only = f" ({larger[0].name} only)" if len(larger) == 1 else ""
-    return f", and {clearly} larger than those on plain track{only},"
+    return f"{words}, and clearly larger than on plain track{only}." if larger else f"{words}."
+
+
+def on_plain_track(trains: list[Train], changes: list[Change]) -> str:
+    """The largest wheel forces there."""
+    plain = named(trains, (1e-3 * change.force_plain for change in changes), "kN")
+    return f"On plain track the largest wheel force is {plain}."
 
 
 def same_places(trains: list[Train], changes: list[Change]) -> bool:
@@ -74,15 +70,20 @@ def same_places(trains: list[Train], changes: list[Change]) -> bool:
 def limits(trains: list[Train], changes: list[Change]) -> str:
     """What the numbers are to be compared with, and what they depend on."""
     scatter = slope(max(change.scatter for change in changes))
-    shared = "; structure, transition and plain track are the same places in both runs" \
-        if len(changes) > 1 and same_places(trains, changes) else ""
-    return (f"the scatter between neighbouring sleepers on plain track is {scatter}; one packing "
-            f"of stones was computed{shared}.")
+    other = "; structure, transition and plain track are other places in the second run" \
+        if len(changes) > 1 and not same_places(trains, changes) else ""
+    return (f"on plain track the rail changes by up to {scatter} between neighbouring sleepers; "
+            f"one packing of stones was computed{other}.")
 
 
 def settlement(trains: list[Train]) -> str:
-    """The largest one of sleepers that are not at the ends of the bed."""
-    found = named(trains, (1e3 * train.settlement_judged().max() for train in trains), "mm")
+    """The largest one of sleepers that are not at the ends of the bed, unless all are small."""
+    largest = [train.settlement_judged().max() for train in trains]
+    if max(largest) <= bed_warnings.SETTLES:
+        both = " in any of the runs" if len(trains) > 1 else ""
+        return (f"No sleeper settles by more than {1e3 * bed_warnings.SETTLES:g} mm in this "
+                f"passage{both}.")
+    found = named(trains, (1e3 * value for value in largest), "mm")
     return f"Largest settlement of a sleeper in this passage: {found}."
 
 
@@ -97,11 +98,12 @@ def titles(trains: list[Train], changes: list[Change] | None, unsound: str) -> t
 
 
 def judged(trains: list[Train], changes: list[Change]) -> list[str]:
-    """Of two runs with a verdict: places on the rail, effect on sleepers, limits."""
+    """Of two runs with a verdict: places on the rail, effect on sleepers, forces, limits."""
     both = ", instead of ".join(steepest(changes))
     return [f"The steepest change of the rail is {both}.",
-            transition_verdict.of_sleepers(trains, changes, True),
-            f"Limits: {limits(trains, changes)}"]
+            "Distance and slope of the sleepers' own levels: "
+            f"{transition_verdict.of_both(trains, changes)}.",
+            on_plain_track(trains, changes), f"Limits: {limits(trains, changes)}"]
 
 
 def of(trains: list[Train], changes: list[Change] | None, unsound: str, warned: bool) -> str:
@@ -110,7 +112,8 @@ def of(trains: list[Train], changes: list[Change] | None, unsound: str, warned: 
     why = transition_verdict.why_no_verdict(trains, changes) or unsound
     lines = [f"No verdict: {why}."] if why else []
     if changes is not None:
-        lines += [f"Limits: {limits(trains, changes)}"] if why else judged(trains, changes)
+        lines += judged(trains, changes) if not why else [
+            on_plain_track(trains, changes), f"Limits: {limits(trains, changes)}"]
     if warned:
         behind = 0 if why else -1  # the reason against a verdict may be one of them
         lines[behind] = f"{lines[behind][:-1]}; warnings are in transition.txt."

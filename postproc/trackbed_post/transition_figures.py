@@ -6,8 +6,8 @@ import textwrap
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (film_files, ground_blocks, judgement, measures, model_drawing, panels,
-                           read, shades, transition_verdict, write)
+from trackbed_post import (bed_warnings, film_files, ground_blocks, judgement, measures,
+                           model_drawing, panels, read, shades, transition_verdict, write)
 from trackbed_post.zones import REACHED
 
 # Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
@@ -15,7 +15,7 @@ STYLES = tuple({"color": colour, "ls": line}
                for colour, line in zip(("#0b559f", "#d95f02"), panels.LINES))
 WRAP = 118           # characters of a line below transition.png
 LIGHT = 0.3          # opacity of the rail where it is not judged
-WRAP_TITLE = 104     # of one above a panel
+WRAP_TITLE = 108     # of one above a panel
 NEAR = 2.0           # m, shown around a transition
 BETWEEN = 2.68       # inches, of the texts between both panels of the model above its lower edge
 
@@ -94,11 +94,14 @@ def name_axes(force, level, settled):
     """Labels of the axes, and the entry for what is not judged, the same for all runs."""
     for panel, marker in ((level, "o"), (settled, "s")):
         panel.plot([], [], ls="", marker=marker, ms=3, color="0.2", mfc="white", mew=0.8,
-                   label="not judged (ends of the bed)")
+                   label="not judged (hollow, light)")
     level.set_ylabel(f"lowest level of rail and\nsleepers under the train,\n{panels.UP}")
     settled.set_ylabel(f"sleepers after the\ntrain, {panels.UP}")
     force.set_ylabel("largest wheel force\nof all axles, kN")
     settled.set_xlabel("x along the track, m")
+    # Smaller settlements, which are noise, look as small as they are.
+    low, high = settled.get_ylim()
+    settled.set_ylim(min(low, -1e3 * bed_warnings.SETTLES), max(high, 1e3 * bed_warnings.SETTLES))
     for panel in (level, force, settled):
         panel.tick_params(labelbottom=True)
     # Above the right end of the first panel, where no legend is.

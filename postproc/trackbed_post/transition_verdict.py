@@ -153,11 +153,12 @@ def effect(trains: list[Train], changes: list[Change], sound: bool) -> str:
     have a verdict."""
     found, measure = differences(trains, changes), measure_of(trains)
     judged = [found[field].judged(measure)[0] for field in ("width", "steepest")]
-    over = (f"With the {what_differs(trains)} the change from structure to plain track extends "
-            f"over {length(changes[0].width)} instead of {length(changes[1].width)}")
-    part = f"its steepest part is {less_steep(found['steepest'])}"
+    over = (f"With the {what_differs(trains)} the rail reaches {REACHED:.0%} of its change from "
+            f"structure to plain track {length(changes[0].width)} behind the structure instead of "
+            f"{length(changes[1].width)}")
+    part = f"the steepest part of the change is {less_steep(found['steepest'])}"
     if all(in_scatter(changes)):
-        part = "its steepest part is in neither run larger than the scatter on plain track"
+        part = "the steepest part is in neither run larger than the scatter on plain track"
         judged[1] = "no verdict from it"
     if not sound:
         return f"{over}, and {part}."

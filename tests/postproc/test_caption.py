@@ -25,39 +25,48 @@ def sentences(text):
 
 def test_panels_have_their_message_as_title_and_the_rest_is_below_them():
     effect, force, settlement = transition_caption.titles(*pair(), "")
-    steepest, sleepers, limits = sentences(transition_caption.of(*pair(), "", True))
-    assert settlement == ("Largest settlement of a sleeper in this passage: "
-                          "0.100 mm (with wedge) and 0.100 mm (without wedge).")
+    steepest, sleepers, plain, limits = sentences(transition_caption.of(*pair(), "", True))
+    assert settlement == ("No sleeper settles by more than 0.1 mm in this passage in any of the "
+                          "runs.")
     assert effect == (
-        "With the wedge the change from structure to plain track extends over 2.7 m instead of 0.5 "
-        "m, and its steepest part is 80% less steep: as expected of a wedge.")
+        "With the wedge the rail reaches 90% of its change from structure to plain track 2.7 m "
+        "behind the structure instead of 0.5 m, and the steepest part of the change is 80% less "
+        "steep: as expected of a wedge.")
     assert steepest == ("The steepest change of the rail is 0.20 mm/m, 1.5 m behind the "
                         "structure, instead of 1.0 mm/m, 0.3 m behind the structure.")
-    assert sleepers == (
-        "The change of the sleepers' own levels extends over 2.7 m instead of 0.5 m; its steepest "
-        "part is 0.20 mm/m, 1.5 m behind the structure, instead of 1.0 mm/m, 0.3 m behind the "
-        "structure: both are as expected of a wedge.")
-    assert force == (
-        "Largest wheel force in the transition: 60.0 kN (with wedge) and 60.0 kN (without wedge): "
-        "no clear effect, and not clearly larger than those on plain track, 60.0 and 60.0 kN.")
-    assert limits.startswith(
-        "Limits: the scatter between neighbouring sleepers on plain track is 0.0 mm/m; ")
+    assert sleepers == ("Distance and slope of the sleepers' own levels: both are as expected of a "
+                        "wedge.")
+    assert force == ("Largest wheel force in the transition: 60.0 kN (with wedge) and 60.0 kN "
+                     "(without wedge): no clear effect.")
+    assert plain == ("On plain track the largest wheel force is 60.0 kN (with wedge) and 60.0 kN "
+                     "(without wedge).")
+    assert limits.startswith("Limits: on plain track the rail changes by up to 0.0 mm/m between "
+                             "neighbouring sleepers; ")
     assert "one packing of stones was computed" in limits
     assert limits.endswith("; warnings are in transition.txt.")
-    assert "structure, transition and plain track are the same places in both runs" in limits
+    assert "other places" not in limits
+
+
+def test_a_settlement_is_stated_if_it_is_not_small():
+    trains, _ = pair()
+    trains[1].passing.left[8] -= 2e-4
+    assert transition_caption.settlement(trains) == (
+        "Largest settlement of a sleeper in this passage: 0.100 mm (with wedge) and 0.300 mm "
+        "(without wedge).")
+    assert transition_caption.settlement(trains[:1]).endswith("more than 0.1 mm in this passage.")
 
 
 def test_a_force_that_is_larger_than_elsewhere_is_called_so():
     trains, _ = pair()
     trains[1].passing.force[np.abs(trains[1].passing.x - 6.9) < 0.05] = 80e3
     text = transition_caption.titles(trains, transition.changes_of(trains), "")[1]
-    assert text.count("and clearly larger than those on plain track (without wedge only)") == 1
+    assert text.endswith(", and clearly larger than on plain track (without wedge only).")
     assert "Without wedge, it is clearly larger" in transition_verdict.verdict(
         trains, transition.changes_of(trains))
     trains[0].passing.force[np.abs(trains[0].passing.x - 6.9) < 0.05] = 80e3
     changes = transition.changes_of(trains)
     text = transition_caption.titles(trains, changes, "")[1]
-    assert "and clearly larger than those on plain track, 60.0" in text
+    assert text.endswith(", and clearly larger than on plain track.")
     assert "With wedge and without wedge, it is clearly larger" in transition_verdict.verdict(
         trains, changes)
 
@@ -74,7 +83,7 @@ def test_names_keep_their_capitals():
     assert "With Slab, the change of" in text and ", without Slab 1.0 mm/m, 0.3 m" in text
 
 
-def test_parts_are_called_the_same_places_only_if_they_are():
+def test_parts_that_are_other_places_are_called_so():
     trains, _ = pair()
     x = trains[1].run.sleepers_x
     shifted = dataclasses.replace(trains[1], run=types.SimpleNamespace(
@@ -82,7 +91,7 @@ def test_parts_are_called_the_same_places_only_if_they_are():
     for second, same in ((trains[1], True), (shifted, False)):
         both = [trains[0], second]
         text = transition_caption.limits(both, transition.changes_of(both))
-        assert ("the same places in both runs" in text) == same
+        assert ("other places in the second run" in text) != same
 
 
 def test_a_change_that_is_never_reached_has_no_distance():
@@ -101,14 +110,14 @@ def test_the_caption_states_why_there_is_no_verdict_and_the_numbers():
     first, *rest = sentences(text)
     assert first == ("No verdict: 1 of 31 sleepers hang (run with wedge); warnings are in "
                      "transition.txt.")
-    assert len(rest) == 1 and rest[0].startswith("Limits: ")
+    assert [one.split()[0] for one in rest] == ["On", "Limits:"]
     titles = " ".join(transition_caption.titles(*pair(), "1 of 31 sleepers hang"))
-    assert "extends over 2.7 m" in titles and "on plain track 60.0 and 60.0 kN." in titles
+    assert "extends over 2.7 m" in titles and "60.0 kN (without wedge)." in titles
     assert "expected" not in titles and "clear" not in titles
     one = [test_transition.train(7.8)]
     text = transition_caption.of(one, transition.changes_of(one), "", False)
-    assert len(sentences(text)) == 2 and text.startswith("No verdict: give a second run")
-    assert "both runs" not in text
+    assert len(sentences(text)) == 3 and text.startswith("No verdict: give a second run")
+    assert "On plain track the largest wheel force is 60.0 kN. " in text
     assert transition_caption.of(one, None, "", False).count(".") == 1
     assert transition_caption.titles(one, None, "")[0] == (
         "Lowest level of rail and sleepers under the train.")
@@ -168,7 +177,7 @@ def test_the_answer_is_in_the_first_panel_and_ends_of_the_bed_are_marked(monkeyp
                   and line.get_markerfacecolor() == "white"]
         assert len(hollow) == 2 and hollow[0].get_xdata() == pytest.approx(ends)
         words = [text.get_text() for text in panel.get_legend().texts]
-        assert words.count("not judged (ends of the bed)") == 1
+        assert words.count("not judged (hollow, light)") == 1
     rail = next(line for line in figure.axes[0].lines if line.get_label() == "rail, with wedge")
     assert rail.get_xdata()[[0, -1]] == pytest.approx(test_transition.X[[3, -4]])
     for light, part in zip(figure.axes[0].lines, (slice(4), slice(-4, None))):

@@ -106,8 +106,9 @@ def with_block(train, young, outline):
 
 
 @pytest.mark.parametrize("bottom, words", [
-    (-0.3, "With the slab the change from structure to plain track extends over 2.7 m instead of "
-           "0.5 m, and its steepest part is 80% less steep: as expected of the slab."),
+    (-0.3, "With the slab the rail reaches 90% of its change from structure to plain track 2.7 m "
+           "behind the structure instead of 0.5 m, and the steepest part of the change is 80% less "
+           "steep: as expected of the slab."),
     (-1.5, "No verdict: the transitions of both runs are not at the same place: the structure up "
            "to x = 9.00 m in made and the structure up to x = 4.80 m in made")])
 def test_the_rail_is_compared_over_a_slab_and_not_over_another_structure(bottom, words):

@@ -177,8 +177,9 @@ def test_a_cell_that_was_moved_is_the_same():
 def test_verdict_names_what_changes_clearly():
     text = stated(train(7.8), train(5.4, wedge_present=False))
     assert text.startswith(
-        "With the wedge the change from structure to plain track extends over 2.7 m instead of 0.5 "
-        "m, and its steepest part is 80% less steep: as expected of a wedge. ")
+        "With the wedge the rail reaches 90% of its change from structure to plain track 2.7 m "
+        "behind the structure instead of 0.5 m, and the steepest part of the change is 80% less "
+        "steep: as expected of a wedge. ")
     assert text.count("expected") == 2
     assert ("90% of it is reached. The distances differ by 2.2 m; a difference above one sleeper "
             "spacing, 0.6 m, counts as clear. The steepest change") in text
@@ -199,8 +200,9 @@ def test_two_measures_that_differ_have_verdicts_of_their_own():
     text = stated(*(with_scatter(one, 0.9e-3) for one in (
         train(7.8), train(5.4, wedge_present=False))))
     assert text.startswith(
-        "With the wedge the change from structure to plain track extends over 2.7 m instead of 0.5 "
-        "m: as expected of a wedge; its steepest part is 80% less steep: no clear effect. ")
+        "With the wedge the rail reaches 90% of its change from structure to plain track 2.7 m "
+        "behind the structure instead of 0.5 m: as expected of a wedge; the steepest part of the "
+        "change is 80% less steep: no clear effect. ")
     assert "0.20 mm/m, not larger than the scatter, instead of 1.0 mm/m, 0.3 m behind" in text
 
 
@@ -211,7 +213,7 @@ def test_no_verdict_follows_from_a_change_within_the_scatter():
     text = stated(*pair)
     assert ("the longer distance is as expected of a wedge, the slope is not larger than the "
             "scatter on plain track, so that no verdict follows from it. ") in text
-    assert "m: as expected of a wedge; its steepest part is in neither run larger than the " \
+    assert "m: as expected of a wedge; the steepest part is in neither run larger than the " \
         "scatter on plain track: no verdict from it. " in text
     assert "0.20 mm/m, not larger than the scatter, instead of 1.0 mm/m, not larger than" in text
     for given in (pair, pair[:1]):
@@ -257,8 +259,8 @@ def test_a_change_that_is_reached_at_the_edge_has_a_verdict():
     now, other = transition.changes_of(pair)
     text = transition_verdict.verdict(pair, [now, dataclasses.replace(
         other, width=0.0, sleeper_width=0.0)])
-    assert ("extends over 2.7 m instead of less than 0.1 m, and its steepest part is 80% less "
-            "steep: as expected of a wedge. ") in text
+    assert ("2.7 m behind the structure instead of less than 0.1 m, and the steepest part of the "
+            "change is 80% less steep: as expected of a wedge. ") in text
     assert "both are as expected of a wedge" in text and "not known" not in text
 
 
