@@ -80,9 +80,8 @@ def settlement(trains: list[Train]) -> str:
     """The largest one of sleepers that are not at the ends of the bed, unless all are small."""
     largest = [train.settlement_judged().max() for train in trains]
     if max(largest) <= bed_warnings.SETTLES:
-        both = " in any of the runs" if len(trains) > 1 else ""
-        return (f"No sleeper settles by more than {1e3 * bed_warnings.SETTLES:g} mm in this "
-                f"passage{both}.")
+        none = "In neither run a sleeper" if len(trains) > 1 else "No sleeper"
+        return f"{none} settles by more than {1e3 * bed_warnings.SETTLES:g} mm in this passage."
     found = named(trains, (1e3 * value for value in largest), "mm")
     return f"Largest settlement of a sleeper in this passage: {found}."
 
@@ -101,7 +100,7 @@ def judged(trains: list[Train], changes: list[Change]) -> list[str]:
     """Of two runs with a verdict: places on the rail, effect on sleepers, forces, limits."""
     both = ", instead of ".join(steepest(changes))
     return [f"The steepest change of the rail is {both}.",
-            "Distance and slope of the sleepers' own levels: "
+            "Sleepers alone (thin lines), distance and slope: "
             f"{transition_verdict.of_both(trains, changes)}.",
             on_plain_track(trains, changes), f"Limits: {limits(trains, changes)}"]
 

@@ -119,7 +119,7 @@ def compare(trains, changes, titles, sentence):
         draw_train(force, level, settled, train, style)
     mean = 1e-3 * trains[0].mean_force()
     force.axhline(mean, color="0.3", lw=0.8,
-                  label=f"mean over the bed, {judgement.shown(mean)} kN")
+                  label=f"mean of all wheels on the bed, {judgement.shown(mean)} kN")
     if changes:
         mark_judged(level, trains, changes)
         mark_places(force, level, trains, changes)

@@ -26,16 +26,15 @@ def sentences(text):
 def test_panels_have_their_message_as_title_and_the_rest_is_below_them():
     effect, force, settlement = transition_caption.titles(*pair(), "")
     steepest, sleepers, plain, limits = sentences(transition_caption.of(*pair(), "", True))
-    assert settlement == ("No sleeper settles by more than 0.1 mm in this passage in any of the "
-                          "runs.")
+    assert settlement == "In neither run a sleeper settles by more than 0.1 mm in this passage."
     assert effect == (
         "With the wedge the rail reaches 90% of its change from structure to plain track 2.7 m "
         "behind the structure instead of 0.5 m, and the steepest part of the change is 80% less "
         "steep: as expected of a wedge.")
     assert steepest == ("The steepest change of the rail is 0.20 mm/m, 1.5 m behind the "
                         "structure, instead of 1.0 mm/m, 0.3 m behind the structure.")
-    assert sleepers == ("Distance and slope of the sleepers' own levels: both are as expected of a "
-                        "wedge.")
+    assert sleepers == (
+        "Sleepers alone (thin lines), distance and slope: both are as expected of a wedge.")
     assert force == ("Largest wheel force in the transition: 60.0 kN (with wedge) and 60.0 kN "
                      "(without wedge): no clear effect.")
     assert plain == ("On plain track the largest wheel force is 60.0 kN (with wedge) and 60.0 kN "
@@ -186,7 +185,7 @@ def test_the_answer_is_in_the_first_panel_and_ends_of_the_bed_are_marked(monkeyp
     lights, before, whole = figure.axes[1].lines[:3]
     assert max(one.get_alpha() for one in (lights, before)) < 1
     assert whole.get_xdata()[[0, -1]] == pytest.approx(test_transition.X[[3, -4]], abs=0.1)
-    assert "mean over the bed, 60.0 kN" in [
+    assert "mean of all wheels on the bed, 60.0 kN" in [
         text.get_text() for text in figure.axes[1].get_legend().texts]
     direction, = [text for text in figure.axes[0].texts
                   if text.get_text() == model_drawing.DIRECTION]
