@@ -54,7 +54,7 @@ def of_trains(n):
     see = "Displacement and train"
     speed = n("other", "error of speed, worst")
     found = [Target("speed of a known train, error", "main", f"steps of {STEP:g} m/s", speed, "m/s",
-                    holds=speed < STEP, sign=speed < STEP, see=see)]
+                    holds=speed < STEP, sign=speed < STEP, see=see, infinite="not recognised")]
     for run, what, kind in (("other", "the known train at another speed", "main"),
                             ("single", "a single coach to six", "main"),
                             ("fewer", "five coaches to six", "soft")):

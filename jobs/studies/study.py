@@ -18,6 +18,7 @@ import csv
 import dataclasses
 import io
 import json
+import math
 import pathlib
 import re
 import sys
@@ -54,7 +55,7 @@ class Target:
     number `holds` decides. `sign`: whether our value has the published sign or order, which the
     short form requires of main targets; None: it is not required. `each`: the value of
     each packing, of which `ours` is the mean. `error`: standard error of `ours`. `see`: section
-    with experiments if it is not reproduced."""
+    with experiments if it is not reproduced. `infinite`: what an infinite value stands for."""
     what: str
     kind: str  # hard, main or soft, see the document; or input
     published: str
@@ -67,6 +68,7 @@ class Target:
     each: tuple = ()
     error: float = 0.0
     see: str = ""
+    infinite: str = ""
 
     def deviation(self):
         return None if self.value is None else self.ours / self.value - 1
@@ -190,17 +192,17 @@ def percent(ratio):
 
 
 def figure_of(target):
-    """Our value, with the range over packings or the standard error."""
+    """Our value, with the range over packings or the standard error, or what it stands for."""
     def text(value):
-        if value == float("inf"):
-            return "refused"
         return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+    if target.infinite and math.isinf(target.ours):
+        return target.infinite
     found = text(target.ours)
     if len(target.each) > 1:
         found += f" ({text(min(target.each))} to {text(max(target.each))})"
     elif target.error:
         found += f" +- {target.error:.2g}"
-    return found if found == "refused" else f"{found} {target.unit}".rstrip()
+    return f"{found} {target.unit}".rstrip()
 
 
 def targets_table(targets):

@@ -59,6 +59,12 @@ def test_a_target_counts_the_packings_that_reproduce_it():
         [Target("stress", "main", "10 kPa", 10.0, "kPa", 10, 0.15, each=(9, 11))])
 
 
+def test_an_infinite_value_is_called_refused_only_by_its_target():
+    def row(**more):
+        return targets_table([Target("force", "main", "", float("inf"), "kN", holds=False, **more)])
+    assert "| refused |" in row(infinite="refused") and "| inf kN |" in row()
+
+
 @pytest.mark.parametrize("form", ["short", "full"])
 @pytest.mark.parametrize("name", study.STUDIES)
 def test_each_run_has_a_folder_of_its_own_and_a_deck(name, form):
