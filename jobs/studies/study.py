@@ -218,13 +218,25 @@ def targets_table(targets):
 
 def counted(targets):
     """'Of 20 targets 12 are reproduced ...'; inputs are counted apart."""
-    inputs = [target.reproduced() is True for target in targets if target.kind == "input"]
+    kept = [target.reproduced() is True for target in targets if target.kind == "input"]
     found = [target.reproduced() for target in targets if target.kind != "input"]
     some = sum(not isinstance(each, bool) for each in found)
     yes, no = (sum(each is verdict for each in found) for verdict in (True, False))
-    return (f"Of {len(found)} targets {yes} are reproduced"
-            + (f", {some} in some packings only" if some else "") + f", {no} are not."
-            + (f" Of {len(inputs)} checks of the input {sum(inputs)} hold." if inputs else ""))
+    if len(found) == 1:
+        text = (f"The one target is {'not ' if no else ''}reproduced"
+                f"{' in some packings only' if some else ''}.")
+    else:
+        text = (f"Of {len(found)} targets {are(yes)} reproduced"
+                + (f", {some} in some packings only" if some else "") + f", {are(no)} not.")
+    if len(kept) == 1:
+        return f"{text} The one check of the input {'holds' if kept[0] else 'does not hold'}."
+    holds = "holds" if sum(kept) == 1 else "hold"
+    return text + (f" Of {len(kept)} checks of the input {sum(kept)} {holds}." if kept else "")
+
+
+def are(count):
+    """'1 is', '2 are'"""
+    return f"{count} {'is' if count == 1 else 'are'}"
 
 
 def reflowed(text, width=100):

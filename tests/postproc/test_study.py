@@ -51,10 +51,17 @@ def test_a_target_counts_the_packings_that_reproduce_it():
     assert counted([Target("a", "main", "", 1.0, "", 1, 0.1, each=(1, 2)),
                     Target("b", "main", "", 1.0, "", 1, 0.1),
                     Target("c", "main", "", 2.0, "", 1, 0.1)]) == (
-        "Of 3 targets 1 are reproduced, 1 in some packings only, 1 are not.")
+        "Of 3 targets 1 is reproduced, 1 in some packings only, 1 is not.")
     inputs = [Target(name, "input", "", ours, "", 1, 0.1) for name, ours in (("d", 1), ("e", 2))]
-    assert counted([*inputs, Target("a", "main", "", 1.0, "", 1, 0.1)]) == (
-        "Of 1 targets 1 are reproduced, 0 are not. Of 2 checks of the input 1 hold.")
+    yes, no, some = (Target("a", "main", "", 1.0, "", 1, 0.1, each=each)
+                     for each in ((1,), (2,), (1, 2)))
+    assert counted([*inputs, yes]) == (
+        "The one target is reproduced. Of 2 checks of the input 1 holds.")
+    assert counted([inputs[0], no]) == (
+        "The one target is not reproduced. The one check of the input holds.")
+    assert counted([inputs[1], some]) == (
+        "The one target is reproduced in some packings only. "
+        "The one check of the input does not hold.")
     assert "| 10 (9 to 11) kPa | 0.0 % | yes |" in targets_table(
         [Target("stress", "main", "10 kPa", 10.0, "kPa", 10, 0.15, each=(9, 11))])
 
