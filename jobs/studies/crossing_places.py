@@ -13,10 +13,10 @@ NOISE = 1e-3
 SPEED = 50.0   # m/s
 LIFTED = 0.1   # of the static force: a wheel with less hardly touches the rail
 NEAR = 1.5     # m, from the sensor: where the wheel may lift
-# How the irregularity is found: words, key of numbers.csv.
-WAYS = {"chain": "the chain as it is", "displacement": "place from the displacement alone",
-        "place": "place exact", "silent": "place exact, no noise",
-        "force": "place and forces exact"}
+# How the place of the train is found, and what else is exact: key of numbers.csv, words.
+PLACINGS = {"chain": "the chain as it is", "displacement": "place from the displacement alone",
+            "place": "place exact", "silent": "place exact, no noise",
+            "force": "place and forces exact"}
 
 
 def true_forces(passage, x):
@@ -44,17 +44,17 @@ def measure_sweep(passage, kernel, run, true, depth, numbers):
             numbers.put(run, f"error of the {what}, place wrong by {offset:g} cm", 100 * value, "%")
 
 
-def found_by(way, passage, kernel):
+def found_by(placing, passage, kernel):
     """(forces, error of the place, m), or None if the passage is refused."""
-    if way in ("chain", "displacement"):
+    if placing in ("chain", "displacement"):
         try:
             forces, came, _ = inverse.evaluate(passage.noisy(NOISE, 0), kernel, SPEED,
-                                               refined=way == "chain")
+                                               refined=placing == "chain")
         except read.Unreadable:
             return None
         return forces, came.start - passage.x[0, 0]
-    forces = at_place(passage, kernel, 0.0, 0.0 if way == "silent" else NOISE)
-    if way == "force":
+    forces = at_place(passage, kernel, 0.0, 0.0 if placing == "silent" else NOISE)
+    if placing == "force":
         forces = dataclasses.replace(forces, force=true_forces(passage, forces.x))
     return forces, 0.0
 
@@ -66,8 +66,8 @@ def measure_causes(passage, kernel, run, true, depth, numbers):
     near = np.abs(x - kernel.sensor) < NEAR
     lifted = force < LIFTED * kernel.wheels.load[0]
     numbers.put(run, "way without contact", 100 * np.mean(np.diff(x)) * np.sum(lifted & near), "cm")
-    for way in WAYS:
-        found = found_by(way, passage, kernel)
+    for placing in PLACINGS:
+        found = found_by(placing, passage, kernel)
         if found is None:
             every = touching = place = np.inf
         else:
@@ -76,6 +76,6 @@ def measure_causes(passage, kernel, run, true, depth, numbers):
             error = np.abs(surface.height - true(surface.x)) / depth
             free = np.interp(surface.x, x, lifted) > 0
             every, touching, place = error.max(), error[~free].max(), 100 * place
-        numbers.put(run, f"error of the irregularity, {way}", 100 * every, "%")
-        numbers.put(run, f"error of the irregularity, {way}, touching", 100 * touching, "%")
-        numbers.put(run, f"place, {way}", place, "cm")
+        numbers.put(run, f"error of the irregularity, {placing}", 100 * every, "%")
+        numbers.put(run, f"error of the irregularity, {placing}, touching", 100 * touching, "%")
+        numbers.put(run, f"place, {placing}", place, "cm")

@@ -60,8 +60,8 @@ def part_causes(n):
     rows = []
     for design, move, _, title, run in found:
         cells = []
-        for way in places.WAYS:
-            errors = [n(run, f"error of the irregularity, {way}{part}")
+        for placing in places.PLACINGS:
+            errors = [n(run, f"error of the irregularity, {placing}{part}")
                       for part in ("", ", touching")]
             cells.append("refused" if np.isinf(errors[0]) else
                          " / ".join(f"{one:.0f}" for one in errors))
@@ -70,7 +70,7 @@ def part_causes(n):
                      "refused" if np.isinf(late) else f"{late:+.1f}",
                      f"{n(run, 'place, displacement'):+.1f}", *cells))
     head = ["design", "move", "wheel", "without contact, cm", "place, chain, cm",
-            "place, displacement, cm", *places.WAYS.values()]
+            "place, displacement, cm", *places.PLACINGS.values()]
     return f"""
 Parts of the chain were made exact to find the causes, one seed. Errors of the irregularity, % of
 its depth: everywhere / only where the force of the wheel is more than
@@ -81,8 +81,8 @@ its depth: everywhere / only where the force of the wheel is more than
 
 
 def causes(n, found):
-    def errors(way, runs, part=""):
-        return [n(run, f"error of the irregularity, {way}{part}") for run in runs]
+    def errors(placing, runs, part=""):
+        return [n(run, f"error of the irregularity, {placing}{part}") for run in runs]
     runs = [case[-1] for case in found]
     lost = [run for run in runs if n(run, "way without contact") > 10
             and errors("force", [run])[0] > 20]
@@ -193,8 +193,8 @@ PULL = """A negative reduction is no failure of the search: the model with a voi
 the one without. Without a gap the springs also pull the sleeper down when the rail lifts it; with
 the smallest gap they do not. The weight of rail and sleeper, which holds a real sleeper down, is
 not part of the model, so that a void makes the fit of a sleeper that is hardly lifted worse. """
-WAYS = ("true", "found", "secant of the fitted model", "from the true displacement",
-        "with the damping of the springs")
+STIFFNESSES = ("true", "found", "secant of the fitted model", "from the true displacement",
+               "with the damping of the springs")
 
 
 def part_stiffness(n, cases):
@@ -203,10 +203,10 @@ def part_stiffness(n, cases):
             if has(n, stones.name_of(case), "stiffness, one train, found")]
     if not runs:
         return "\nThe causes of the errors of the stiffness are not examined in these numbers.\n"
-    rows = [(case, *(f"{n(run, f'stiffness, one train, {way}'):.0f}" for way in WAYS))
+    rows = [(case, *(f"{n(run, f'stiffness, one train, {which}'):.0f}" for which in STIFFNESSES))
             for case, run in runs]
-    values = {way: np.array([n(run, f"stiffness, one train, {way}") for _, run in runs])
-              for way in WAYS}
+    values = {which: np.array([n(run, f"stiffness, one train, {which}") for _, run in runs])
+              for which in STIFFNESSES}
     same = np.abs(values["secant of the fitted model"] / values["found"] - 1).max()
     moved = np.abs(values["from the true displacement"] / values["found"] - 1).max()
     less = np.abs(values["with the damping of the springs"] / values["found"] - 1).max()
@@ -214,7 +214,7 @@ def part_stiffness(n, cases):
     return f"""
 Experiments on the stiffness, MN/m, second train, 0.1 % noise:
 
-{table(["case", *WAYS], rows)}
+{table(["case", *STIFFNESSES], rows)}
 The secant of the fitted model by the definition of the true stiffness differs from its parameter by
 at most {100 * same:.0f} %{definition}. The true displacement in
 place of the reconstructed one changes the stiffness by at most {100 * moved:.0f} %, the damping of
