@@ -9,7 +9,7 @@ from .chen_stress_document import (SEATS, SPACING, part_path, part_pressure, par
                                    part_stress)
 from .chen_targets import (AS_LARGE, FASTER, SETTLED, VELOCITY, faster, growth, growths_of_mean,
                            has_series, moving, of, rotation_ratio, speed_of_stones, stored)
-from .study import heading, listed, percent, span, table
+from .study import between, heading, listed, percent, span, table
 
 figures = chen_figures.figures
 TITLE = "chen: five sleepers on ballast that breaks, under carriages that pass"
@@ -74,7 +74,7 @@ def speeds_in_short(n):
   {faster(n, 20, "corners broken"):.0f} % under 20 t (published 63), the mean speed of
   {moving(n)} by
   {faster(n, 25, speed_of_stones(n)):.0f} % under 25 t (published 102).
-- In one packing sleeper 3 settles {min(down):.1f} to {max(down):.1f} mm over all loads and speeds;
+- In one packing sleeper 3 settles {between(down, ".1f")} mm over all loads and speeds;
   between packings it differs by {differ:.1f} mm at 25 t. One packing therefore cannot show the
   effect of speed.
 - In the study's stress path of a single load, the shear below sleeper 3 changes its sign. Here it
@@ -162,7 +162,8 @@ Settlement at the end of the passage at 120 km/h, mm:
 
 {table(("", *(f"sleeper {k}" for k in SLEEPERS)), rows)}
 The same sleeper differs between packings by up to {differ:.1f} mm under the same load; means over
-sleepers and packings are {span(means[17])} mm under 17 t and {span(means[25])} mm under 25 t.
+sleepers and packings are {span(means[17], ".1f")} mm under 17 t and
+{span(means[25], ".1f")} mm under 25 t.
 
 {bogie_words(n)}
 
@@ -242,8 +243,8 @@ def edge_words(n):
     part = all_of(n, "corners broken nearer to edges") / all_of(n, "corners broken below sleepers")
     near, middle = np.transpose([beside_edges(n.lines, run) for run in DRAWN])
     return f"""The study sees more fragments below the edges of sleepers than below their middle, by
-eye. Here slightly fewer of those below sleepers are nearer to an edge ({min(part):.2f} to
-{max(part):.2f} of them). This does not count fragments just outside an edge. In packing
+eye. Here slightly fewer of those below sleepers are nearer to an edge ({between(part, ".2f")}
+of them). This does not count fragments just outside an edge. In packing
 {PACKINGS[0]}, whose places are stored in lines.csv, {listed(near)} corners (17 and 25 t) break off
 within {100 * BESIDE:.0f} cm of an edge, inside or outside, and {listed(middle)} within
 {200 * BESIDE:.0f} cm of a middle, which is the same length of track. Why was not examined."""

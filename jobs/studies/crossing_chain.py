@@ -6,7 +6,7 @@ from . import crossing_places as places
 from . import crossing_targets
 from .crossing import VARIANTS, variant
 from .crossing_cases import BEDS, JOINTS, NOISE, PANELS, STIFFNESS, VOIDS, bed_run
-from .study import heading, table
+from .study import between, heading, table
 
 
 def joint_runs(n):
@@ -22,15 +22,11 @@ def has(n, run, quantity):
     return (run, quantity) in n.rows
 
 
-def span(values, form=".0f"):
-    low, high = (f"{one:{form}}" for one in (min(values), max(values)))
-    return low if low == high else f"{low} to {high}"
-
-
 def too_small(n):
     """%, by which forces from the displacement are too small."""
     quantity = f"largest force, {variant(*VARIANTS[-1])}"
-    return span([100 * (1 - n(run, quantity) / n(run, "largest force")) for run in joint_runs(n)])
+    return between([100 * (1 - n(run, quantity) / n(run, "largest force"))
+                    for run in joint_runs(n)])
 
 
 def part_passages(n):
@@ -113,7 +109,7 @@ def part_indicators(n):
         forces = [n(panel, quantity) for panel in PANELS]
         text = (f" Over all sets together the rank correlation is "
                 f"{n('panels', 'rank correlation, pooled'):.3f}, and at the same indicator of "
-                f"{n('panels', 'common indicator'):.3g} m/s2 the force is {span(forces)} kN.")
+                f"{n('panels', 'common indicator'):.3g} m/s2 the force is {between(forces)} kN.")
         if max(forces) > 1.1 * min(forces):
             text += (" The relation of indicator and force differs from set to set, so that an "
                      "indicator states the force only of a panel whose pads and ballast are known.")
@@ -212,7 +208,7 @@ def effect_of_place(n):
     exact, far = ([sweep(n, run, "irregularity")[places.OFFSETS.index(at)] for run in runs]
                   for at in (0, 1))
     return (f"If the place of the wheels in the record is wrong by a centimetre, the irregularity "
-            f"errs by {span(far)} % of its depth, with the exact place by {span(exact)} %.")
+            f"errs by {between(far)} % of its depth, with the exact place by {between(exact)} %.")
 
 
 def part_sweep(n):
@@ -307,12 +303,13 @@ stiffer rail; forces in kN. The rail that moves with the contact in P1 is taken 
 
 {table(["speed, m/s", "ballast damping over that of the deck", "largest force", "P1",
         "below 150 Hz", "P2"], rows)}
-With the damping of the deck, that of the thesis, P2 is {span(off(n, "deck"))} % smaller than the
+With the damping of the deck, that of the thesis, P2 is {between(off(n, "deck"))} % smaller than the
 computed force below 150 Hz; with a tenth of it the difference is at most
 {max(map(abs, off(n, "tenth"))):.0f} %. P2 treats damping as small: P2 less the static load falls in
 proportion to the damper, here to {100 * left(n):.0f} % of that with a tenth of the damping. A
 strong damper carries load itself, so that P2 does not hold for the damping of the thesis. P1 is
-{span(off_p1(n))} % smaller than the largest computed force; it depends on the assumed {rail:g} m.
+{between(off_p1(n))} % smaller than the largest computed force; it depends on the assumed
+{rail:g} m.
 """
 
 

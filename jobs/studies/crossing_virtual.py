@@ -4,8 +4,8 @@ import numpy as np
 from . import crossing_places as places
 from . import crossing_scanned as scanned
 from . import crossing_stones as stones
-from .crossing_chain import has, pair, span, without_empty
-from .study import deck_of, heading, table
+from .crossing_chain import has, pair, without_empty
+from .study import between, cell, deck_of, heading, table
 
 from trackbed_post.monitor import ballast  # noqa: I001 (found by .study)
 
@@ -90,22 +90,22 @@ def causes(n, found):
     change = max(abs(one - other) for one, other in zip(errors("silent", runs),
                                                         errors("place", runs)))
     text = (f"With the exact place, noise changes the error by at most {change:.0f} points, from "
-            f"{span(errors('silent', runs))} to {span(errors('place', runs))} %. ")
+            f"{between(errors('silent', runs))} to {between(errors('place', runs))} %. ")
     if lost:
-        free = span([n(run, "way without contact") for run in lost])
+        free = between([n(run, "way without contact") for run in lost])
         text += f"""In {len(lost)} of {len(runs)} rows the surface falls faster than the wheel,
 which leaves the rail for {free} cm. There no force depends on the running surface, so that no
 method that uses forces can find it: even with exact forces and place the error is
-{span(errors("force", lost))} %. The identified surface is the path of the wheel in the air, and its
-minimum is where the wheel lands, beside the true one. Where the wheel touches, the error with exact
-forces is {span(errors("force", lost, ", touching"))} %. """
+{between(errors("force", lost))} %. The identified surface is the path of the wheel in the air, and
+its minimum is where the wheel lands, beside the true one. Where the wheel touches, the error with
+exact forces is {between(errors("force", lost, ", touching"))} %. """
     if astray:
         text += f"""In {len(astray)} rows the chain finds a place that is wrong by more than 2 cm,
-or refuses the passage. With the exact place the error is {span(errors("place", astray))} %. The
+or refuses the passage. With the exact place the error is {between(errors("place", astray))} %. The
 likelihood of the acceleration decides the place: it assumes forces that are white noise near the
 dip, and the real ones, with several kinks and a loss of contact, make another place more likely.
-The displacement alone gives {span([n(run, "place, displacement") for run in astray], "+.1f")} cm
-there and an error of {span(errors("displacement", astray))} %. """
+The displacement alone gives {between([n(run, "place, displacement") for run in astray], "+.1f")} cm
+there and an error of {between(errors("displacement", astray))} %. """
     return text + "\n"
 
 
@@ -131,7 +131,7 @@ def part_stones(n):
 
             def error(quantity, form=".0f", run=run, words=words):
                 name = f"error of {quantity}, {words}, worst"
-                return f"{n(run, name):{form}}" if has(n, run, name) else ""
+                return cell(n, run, name, form)
             rows.append((case, f"{100 * noise:g} %", error("displacement", ".1f"),
                          both(n, run, "settlement", words, ".3f"),
                          both(n, run, "stiffness", words, ".0f"), error("stiffness"),
@@ -179,14 +179,14 @@ def settlements(n, cases):
     text = ""
     if missed:
         text = (f"No settlement is found in {len(missed)} of {len(pairs)} rows, although the true "
-                f"one is {span(missed, '.3f')} mm: so little cannot be distinguished from the "
+                f"one is {between(missed, '.3f')} mm: so little cannot be distinguished from the "
                 f"drift of the sensor. ")
     if others:
         text += f"In the others it is {', '.join(others)} mm (found / true). "
     quantity = "deviation of the displacement"
     size = [n(run, quantity) for run in map(stones.name_of, cases) if has(n, run, quantity)]
     return text + (f"The stated standard deviation of the largest displacement is "
-                   f"{span(size, '.3f')} mm with 0.1 % noise." if size else "")
+                   f"{between(size, '.3f')} mm with 0.1 % noise." if size else "")
 
 
 PULL = """A negative reduction is no failure of the search: the model with a void does not contain
@@ -224,7 +224,7 @@ the springs in place of that chosen by hand by at most {100 * less:.0f} %.
 
 def part_voids(n, cases):
     rows = [(case, f"{n(run, 'void'):.2f}", f"{n(run, 'reduction of the sum of squares'):.1f}",
-             *(f"{n(run, one):.0f}" if has(n, run, one) else ""
+             *(cell(n, run, one, ".0f")
                for one in ("sum of squares, no gap", "sum of squares, smallest gap")))
             for case, run in ((case, stones.name_of(case)) for case in cases)]
     soft = n(stones.name_of("void of 1 mm"), "stiffness, found, noise 0.1 %")

@@ -7,10 +7,10 @@ from .demfem_model import (BAR, BARRED, CYCLES, DECK, FORCES, GRANITE, GROUND_RU
                            NEXT_TO_LAST, PACKINGS, PARTS, PERIOD, RAIL, ROCKS, SETTLED, SHAPES,
                            STONES, TEN_RATES, TITLES, TRACK_DECK, TRACKS, TWO_RATES, WITHOUT,
                            ZETA, ground_run, without_rest)
-from .demfem_sections import cell, part_cost, part_ground, part_missing, part_track, part_unexamined
+from .demfem_sections import part_cost, part_ground, part_missing, part_track, part_unexamined
 from .demfem_targets import (CLOSE, END, LOWEST, START, SURE, UNEXAMINED, error_of_difference,
                              less, mean, of, of_both, predicted_total, ratio, slower, student)
-from .study import heading, percent, table
+from .study import between, heading, of_packings, percent, span, table
 
 __all__ = ("CRITERION", "SOURCE", "TITLE", "document", "figures", "summary")  # of the study
 
@@ -68,8 +68,8 @@ def found_stiffness(n):
   of {1e-9 * STONES:g} GPa, an upper bound of about
   {mean(n, "convex", "upper bound of the stiffness"):.0f} MPa is estimated for convex stones.
 - With contacts as stiff as bars of the same modulus, the bed of convex stones has
-  {cell(of(n, "convex", stiff, "bars"))} MPa, that of non-convex stones
-  {cell(of(n, "non_convex", stiff, "bars"))} MPa. Their ratio of {ratio(n, stiff, "bars")[0]:.2f} is
+  {span(of(n, "convex", stiff, "bars"))} MPa, that of non-convex stones
+  {span(of(n, "non_convex", stiff, "bars"))} MPa. Their ratio of {ratio(n, stiff, "bars")[0]:.2f} is
   {"below" if barred > 0 else "above"} 1{"" if sure else ", but undecided"}: this contact law does
   not confirm the published order of the shapes."""
 
@@ -97,7 +97,7 @@ def found_track(n):
   ({clause(sure)}published: to 7 to 9 mm). The growth includes the first load on the stiff end,
   x = {RAIL["stiff end"]:g} m, which the first wheel reaches only after {arrives:.2f} s. The
   difference arises at the start, when the rail rises by
-  {min(high):.1f} to {max(high):.1f} mm, probably as the placed sleepers are not at rest. The next
+  {between(high, ".1f")} mm, probably as the placed sleepers are not at rest. The next
   run must let the track come to rest before the wheels:
   {decks} have no stage for it."""
 
@@ -134,7 +134,7 @@ def found_ground(n):
 def found_cost(n):
     totals = {shape: [predicted_total(n, shape, model) for model in (TWO_RATES, TEN_RATES)]
               for shape in SHAPES}
-    text = {shape: f"{min(both):.0f} to {max(both):.0f}" for shape, both in totals.items()}
+    text = {shape: between(both) for shape, both in totals.items()}
     return f"""- The predicted run time of the study's benchmark on 8 cores is {text["convex"]} min
   with convex stones (published, with a graphics processor: 303) and {text["non_convex"]} min with
   non-convex ones (published 495). A non-convex stone takes {slower(n):.2f} times the time of a
@@ -225,9 +225,8 @@ def part_bed(n):
             ("contacts with less than 1 kN, %", "contacts below the limit"),
             ("largest contact force, kN", "largest contact force"),
             ("largest resultant of a stone, kN", "largest resultant on a stone")):
-        rows.append((title, *(cell(of(n, shape, quantity)) for shape in SHAPES)))
+        rows.append((title, *(span(of(n, shape, quantity)) for shape in SHAPES)))
     count = len(of(n, "convex", "stones"))
-    what = f"{count} packings: mean (least to most)" if count > 1 else "One packing"
     return heading("Convex and non-convex stones") + f"""
 ![Settlement, stress over strain in the first packing, contact forces](stones.png)
 
@@ -239,7 +238,7 @@ lines are the largest published forces on a stone.
 
 Zero is the start of cycling. The sleepers then still rebound by up to
 {max(of_both(n, "rebound at the start")):.1f} mm, so settlement is counted from the end of cycle 1.
-{what}:
+{of_packings(count).capitalize()}:
 
 {table(["", *TITLES.values()], rows)}
 {certainty(n)}The study has the distribution of the "total force" of its stones and does not define
@@ -312,11 +311,11 @@ def law_rows(n):
     rows = []
     for model, title in (("bed", "Hertz"), ("bars", "bars")):
         for shape in SHAPES:
-            bound = (cell(of(n, shape, "upper bound of the stiffness", model))
+            bound = (span(of(n, shape, "upper bound of the stiffness", model))
                      if shape == "convex" else "")
             rows.append((f"{TITLES[shape]}, {title}",
-                         cell(of(n, shape, f"stiffness, {LAST}", model)), bound,
-                         *(cell(of(n, shape, quantity, model))
+                         span(of(n, shape, f"stiffness, {LAST}", model)), bound,
+                         *(span(of(n, shape, quantity, model))
                            for quantity in (SETTLED, "largest contact force"))))
     return rows
 

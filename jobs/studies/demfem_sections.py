@@ -8,7 +8,7 @@ from .demfem_model import (BENCHMARK, CORES, CYCLES, GROUND_DECK, GROUND_RUN, GR
 from .demfem_targets import (ALONE, COST, LOWEST, SURE, TEN, UNEXAMINED, besides, fisher,
                              has_lowest, mean, of, of_both, part, predicted, predicted_total, rate,
                              scatter, slower)
-from .study import heading, listed, table
+from .study import between, heading, listed, of_packings, span, table
 
 PHASES = {  # fraction of the run time: name, what it contains here, what the study calls so
     "dem": ("stones", "neighbour lists, forces between stones and of surfaces on stones, with the "
@@ -19,14 +19,6 @@ PHASES = {  # fraction of the run time: name, what it contains here, what the st
     "coupling": ("coupling", "exchange of surfaces and forces between ranks", "coupling"),
     "rest": ("rest", "building the model, preparing stages, output, agreement of ranks",
              "not given")}
-
-
-def cell(values):
-    """Mean, with the range of several values."""
-    def text(value):
-        return f"{value:.0f}" if 1000 <= value < 1e5 else f"{value:.3g}"
-    return text(np.mean(values)) + (
-        f" ({text(min(values))} to {text(max(values))})" if len(values) > 1 else "")
 
 
 def part_track(n):
@@ -60,7 +52,7 @@ def part_track(n):
              "compression, mean from 4.8 m"),
             ("stone-steps per second and core", "stone steps per second and core"),
             ("processor time for 0.5 s, all parts, min", "time of one core for 0.5 s")):
-        rows.append((title, *(cell(of(n, shape, quantity, "track")) for shape in SHAPES)))
+        rows.append((title, *(span(of(n, shape, quantity, "track")) for shape in SHAPES)))
     return heading(TEN) + text_track(n) + table(["", *TITLES.values()], rows)
 
 
@@ -91,7 +83,7 @@ Displacements are means over the last axle spacing ({PERIOD:g} s), from the star
 Growth is that from the mean over the second axle spacing to that over the last.
 Stresses are maxima over the whole run and contain the weight, so also those of this start.
 
-{f"{count} packings: mean (least to most)" if count > 1 else "One packing"}:
+{of_packings(count).capitalize()}:
 
 """
 
@@ -218,7 +210,7 @@ def faster(ours, theirs):
 def who_is_faster(n):
     times = {shape: [predicted(n, shape, model=model)[0] / BENCHMARK["minutes"][shape][1]
                      for model in (TWO_RATES, TEN_RATES)] for shape in SHAPES}
-    stones = " and ".join(f"{min(times[shape]):.1f} to {max(times[shape]):.1f} times the time with "
+    stones = " and ".join(f"{between(times[shape], '.1f')} times the time with "
                           f"{TITLES[shape]} stones" for shape in SHAPES)
     texts = []
     for shape in SHAPES:
@@ -287,7 +279,7 @@ def part_unexamined(n):
 These targets are not reproduced, and no run of this study examines why:
 
 - Settlement of two sleepers and its scatter: after the first cycle, {CYCLES["cycles"] - 1} cycles
-  settle the sleepers by {min(levels):.2f} to {max(levels):.2f} mm only, and the published
+  settle the sleepers by {between(levels, ".2f")} mm only, and the published
   difference is that of 50 cycles. More cycles and more packings were not run. The ratio of
   scatters,
   {scatter(n, "non_convex", SETTLED) / scatter(n, "convex", SETTLED):.1f}, decides nothing: with

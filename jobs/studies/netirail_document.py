@@ -10,7 +10,7 @@ from .netirail import (ABOUT, CALM, CONVERGENCE, MEASURED, MEASURES,  # noqa: E4
 from .netirail_measure import (BACKFILL, BEHIND, BESIDE, DECK, DEPTH, FAR,  # noqa: E402
                                LATE, LAYERS, NEAR)
 from .netirail_stones_document import draw_stones, part_stones  # noqa: E402
-from .study import COLOURS, as_file, change, heading, percent, save, table  # noqa: E402
+from .study import COLOURS, as_file, cell, change, heading, percent, save, table  # noqa: E402
 
 TITLE = "netirail: a train from a bridge to an embankment"
 SOURCE = """After NeTIRail-INFRA D2.10, *Cost effective transition zone design tailored to line type
@@ -244,8 +244,8 @@ def part_steepest(n):
                ("plane, 13 m wide, train to the bridge", ("plane_back", None, None)),
                ("plane, narrow at the bridge", ("plane_original_1", "plane_narrow_no_wedge",
                                                 "plane_narrow_fill_1"))]
-    rows = [(title, *(f"{n(run, 'steepest change along the rail'):.3f}" if run and n.has(run)
-                      else "" for run in runs)) for title, runs in grounds if n.has(runs[0])]
+    rows = [(title, *(cell(n, run, "steepest change along the rail", ".3f")
+                      for run in runs)) for title, runs in grounds if n.has(runs[0])]
     return f"""
 Steepest change of the rail's largest displacement from sleeper to sleeper, from {-BESIDE[0]:g} m
 before to {BESIDE[1]} m behind the end of the bridge, mm/m:

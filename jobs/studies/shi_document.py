@@ -7,11 +7,11 @@ from .shi_decks import DECK, DESIGNS, EDGE, TITLES
 from .shi_runs import (BOUNDARIES, FIXED, FULL_FRICTION, KEPT, OPEN, PACKINGS, SAMPLED)
 from .shi_sections import SECTIONS, part_missing, unstable
 from .shi_tables import (FRICTION, LOADING, NEAR_END, QUANTITIES, THIN, TRAINS, cell, ground_rows,
-                         ground_table, same, span, span_of, stones_rows)
+                         ground_table, of_all, same, stones_rows)
 from .shi_targets import (MEAN_STRESS, UP_TO, at_four_metres, at_last_node, cases, full,
                           jump, jump_of_means, line, lines_of, load_of_seats, lost, mean,
                           place_of_most, reduction, steepest, targets, values)
-from .study import as_file, change, heading, percent, table
+from .study import as_file, between, change, heading, of_packings, percent, span, table
 
 figures = shi_figures.figures
 TITLE = "shi: a locomotive from a rigid structure to an embankment"
@@ -27,7 +27,7 @@ def criterion(n):
     wide = [max(each.each) / min(each.each) for each in targets(n)
             if not isinstance(each.reproduced(), bool)
             and max(each.each) > WIDE * min(each.each) > 0]
-    chance = f""" Where packings differ by a factor of {min(wide):.0f} to {max(wide):.0f}, a
+    chance = f""" Where packings differ by a factor of {between(wide)}, a
 verdict of only some packings is chance.""" if len(wide) > 1 else ""
     return f"""Inputs check that the deck prescribes what the study does, and that the sleepers
 follow it. Values published with two digits or more count as reproduced within 15 %, those with one
@@ -194,8 +194,8 @@ Assumed, as the study shows it only in drawings, which are not available here, o
   until one settles no sleeper by more than {1e3 * TRAINS["settlement"]:g} mm, at most
   {TRAINS["cycles"]}. This aim is met in {aim_met(n)} of {len(cases(n, "wedge"))} packings; the last
   train settles a sleeper by
-  {span(n, "wedge", "settlement in the last train of the preparation", 2)} mm. Then there are
-  {span(n, "wedge", "ballast below sleepers, median")} mm of ballast below sleepers (median), at
+  {of_all(n, "wedge", "settlement in the last train of the preparation", ".2g")} mm. Then there are
+  {of_all(n, "wedge", "ballast below sleepers, median")} mm of ballast below sleepers (median), at
   least {min(values(n, "wedge", "ballast below sleepers, least")):.0f} mm. Stresses and
   displacements count from the begin of the measured passage, with
   {1e-3 * TRAINS["seat_force"]:.0f} kN on each seat.
@@ -237,38 +237,37 @@ def rows_of_lines(n):
     """Rows that follow from the lines."""
     x, _ = at_last_node(n, "none")
     rows = [(f"surface of the structure at its last node, x = {x:.2f} m, mm",
-             *(span_of(at_last_node(n, design)[1]) for design in DESIGNS)),
+             *(span(at_last_node(n, design)[1]) for design in DESIGNS)),
             ("surface 4 m behind the edge over its largest value",
-             *(span_of(at_four_metres(n, design)) for design in DESIGNS))]
+             *(span(at_four_metres(n, design)) for design in DESIGNS))]
     if full(n):
         rows.append((f"steepest change of the surface up to x = {NEAR_END} m, mm/m",
-                     *map(span_of, slopes(n).values())))
+                     *map(span, slopes(n).values())))
     if all(any(run in n.lines.of("ballast acceleration") for run in cases(n, design))
            for design in DESIGNS):
         rows.append(("mean difference of the ballast's largest accelerations between neighbouring "
                      "sleepers, g",
-                     *(span_of(np.abs(np.diff(lines_of(n, "ballast acceleration", design)[1]))
+                     *(span(np.abs(np.diff(lines_of(n, "ballast acceleration", design)[1]))
                                .mean(axis=1)) for design in DESIGNS)))
     return rows
 
 
 def part_packings(n):
-    rows = [(title, *(span(n, design, quantity) for design in DESIGNS))
+    rows = [(title, *(of_all(n, design, quantity) for design in DESIGNS))
             for title, quantity in ROWS if any(values(n, design, quantity) for design in DESIGNS)]
     count = len(cases(n, "none"))
-    what = f"{count} packings: mean (least to most)" if count > 1 else "one packing"
     calm = {design: len(values(n, design, "acceleration, median")) for design in DESIGNS}
     excluded = "" if min(calm.values()) == count else f""" A sleeper with a residual settlement
 above {KEPT:g} mm counts as one that has lost its support. Such packings are excluded from
 accelerations, so that {calm["none"]} remain without and {calm["wedge"]} with wedge."""
     return heading("With stones") + f"""
-Largest values in the passage of the locomotive, {what}. Displacements are downwards. Accelerations
-have passed a low pass of 100 Hz, as in the study. Those of stones and of sleepers on them follow
-from the filtered velocity; the study filters the recorded acceleration, and so do we for a ground
-alone.{excluded} Plain track is the median of the surface at 6 to 11 m without wedge, for both. The
-distance to 90 % of the rise is that of the curve `u_s + (u_p - u_s)(1 - exp(-(s/l)^p))` through the
-surface: u_s is the displacement of the structure, u_p that of plain track, s the distance from the
-edge, and l and p are those of least squares.
+Largest values in the passage of the locomotive, {of_packings(count)}. Displacements are downwards.
+Accelerations have passed a low pass of 100 Hz, as in the study. Those of stones and of sleepers on
+them follow from the filtered velocity; the study filters the recorded acceleration, and so do we
+for a ground alone.{excluded} Plain track is the median of the surface at 6 to 11 m without wedge,
+for both. The distance to 90 % of the rise is that of the curve `u_s + (u_p - u_s)(1 -
+exp(-(s/l)^p))` through the surface: u_s is the displacement of the structure, u_p that of plain
+track, s the distance from the edge, and l and p are those of least squares.
 
 {table(["", *TITLES.values()], rows + rows_of_lines(n))}"""
 
@@ -318,24 +317,24 @@ def edge_of_structure(n):
     """The displacement there depends on where it is read."""
     (x, none), (_, wedge) = (at_last_node(n, design) for design in DESIGNS)
     return f"""The displacement of the structure is the largest up to x = {UP_TO:g} m, half a
-sleeper spacing before its edge. At its last node, x = {x:.2f} m, it is {span_of(none)} mm without
-and {span_of(wedge)} mm with wedge: {percent(np.mean(none) / 0.02 - 1)}
+sleeper spacing before its edge. At its last node, x = {x:.2f} m, it is {span(none)} mm without
+and {span(wedge)} mm with wedge: {percent(np.mean(none) / 0.02 - 1)}
 and {percent(np.mean(wedge) / 0.02 - 1)} from the published value."""
 
 
 def shape_of_rise(n):
-    none, wedge = (span_of(at_four_metres(n, design), 2) for design in DESIGNS)
+    none, wedge = (span(at_four_metres(n, design), ".2g") for design in DESIGNS)
     first, last = (of(place_of_most(n, "ground", "none")) for of in (np.min, np.max))
     slow = slopes(n)
     longer = n("ground_wedge_ground_8_m_longer", "ground, steepest")
     return f"""At 4 m behind the edge the surface has {none} of its largest value without wedge and
 {wedge} with wedge; the largest value is near the end of the ground (without wedge at x =
 {first:.1f} to {last:.1f} m). The gradual rise with wedge follows from its assumed outline. Up to x
-= {NEAR_END} m the steepest change along the track is {span_of(slow["none"])} mm/m without and
-{span_of(slow["wedge"])} mm/m with wedge, the latter at the end of this range; a ground
+= {NEAR_END} m the steepest change along the track is {span(slow["none"])} mm/m without and
+{span(slow["wedge"])} mm/m with wedge, the latter at the end of this range; a ground
 alone that is 8 m longer has {longer:.3g} mm/m. Behind it the end of the ground steepens the surface
-to {span(n, "wedge", "ground, steepest")} mm/m at x =
-{span(n, "wedge", "ground, x of the steepest")} m
+to {of_all(n, "wedge", "ground, steepest")} mm/m at x =
+{of_all(n, "wedge", "ground, x of the steepest")} m
 (the search ends at {DECK["ground"]["x"][1] - 1.5:g} m)."""
 
 

@@ -5,10 +5,10 @@ from .shi_decks import DESIGNS, LOAD, SPACING, TITLES
 from .shi_runs import (AXLE_AT, CONVERGENCE, DECAY, FIXED, FULL_FRICTION, KEPT, LOADED,
                        MANY_TRAINS, S1, S2, SAMPLED, SHOWN_TRAINS, SPEEDS, TRAINED, WEDGES, WHEEL)
 from .shi_tables import (FRICTION, LOADING, QUANTITIES, TRAINS, cell, ground_rows, ground_table,
-                         same, span)
+                         of_all, same)
 from .shi_targets import (CLOSE, PUBLISHED_STONES, SPECTRAL_LINES, WHEEL_LOAD, jump,
                           jump_of_means, lines_of, lost, spectral_heights)
-from .study import as_file, change, heading, percent, table
+from .study import as_file, between, change, heading, percent, table
 
 
 def part_sleepers(n):
@@ -35,7 +35,7 @@ def places_of_sleepers(n):
 state their x, here {S1:g} and {S2:g} m. With wedge no sleeper before x = {near.min():g} m is within
 15 % of the published 1.7 mm of S1, as a mean over packings; the nearest to it is that at x =
 {x[best]:g} m with {down[best]:.2f} mm. Without wedge S1 moves
-{span(n, "none", "sleeper S1")} mm. Why S1 moves less than published is not explained; neither are
+{of_all(n, "none", "sleeper S1")} mm. Why S1 moves less than published is not explained; neither are
 the smallest accelerations, the largest with wedge, the ratio of S2 to S1 and the fluctuation of the
 ballast's acceleration. For the sleeper at the edge and the largest acceleration without wedge see
 "Preparation".
@@ -44,7 +44,7 @@ ballast's acceleration. For the sleeper at the edge and the largest acceleration
 
 def text_of_spectra(n):
     peaks = [(f"near v/({what})",
-              *(span(n, design, f"{mark}, {of}") for design in DESIGNS
+              *(of_all(n, design, f"{mark}, {of}") for design in DESIGNS
                 for of in ("seat force", "acceleration", "ballast acceleration")))
              for mark, (what, _) in SPECTRAL_LINES.items()]
     heights, higher = map(np.concatenate, zip(*(spectral_heights(n, design) for design in DESIGNS)))
@@ -53,8 +53,8 @@ of the seat forces times the frequency squared: the acceleration of sleepers tha
 without delay. Axles and bogies pass with v/2.8 m = {LOAD["speed"] / 2.8:.2f} Hz and v/9.0 m =
 {LOAD["speed"] / 9:.2f} Hz; the peaks of the load lie beside these. A record of 1.8 s resolves 0.55
 Hz; peaks are read from a spectrum with zeros appended. The peak of sleepers near v/9.0 m is not the
-largest: its amplitude is {heights.min():.2f} to {heights.max():.2f} of that near v/2.8 m, and
-{higher.min()} to {higher.max()} peaks below 15 Hz are higher.
+largest: its amplitude is {between(heights, ".2f")} of that near v/2.8 m, and
+{between(higher)} peaks below 15 Hz are higher.
 
 Peaks of these spectra (Hz), which the prescribed forces impose, so that they check no more than
 that sleepers and stones follow them:
@@ -66,8 +66,8 @@ that sleepers and stones follow them:
 def sleepers_ahead(n):
     reach = 0.75 * np.pi / DECAY
     return f"""The study sees three sleepers ahead of an axle move down. Sleepers with more than a
-tenth of the velocity of the fastest one are {span(n, "wedge", "sleepers moving down ahead")} with
-and {span(n, "none", "sleepers moving down ahead")} without wedge. The assumed load of one axle
+tenth of the velocity of the fastest one are {of_all(n, "wedge", "sleepers moving down ahead")} with
+and {of_all(n, "none", "sleepers moving down ahead")} without wedge. The assumed load of one axle
 is directed downwards up to {reach:.2f} m ahead of it, {reach / SPACING:.1f} spacings, in both
 designs; the ground makes the difference between them."""
 
@@ -333,7 +333,7 @@ def factors(n):
     found = {what: [1 + change(n, "stones_none_1", f"stones_none_{name}", f"acceleration, {what}")
                     for name in ("soft", "stiff")] for what in ("least", "median", "most")}
     names = {"least": "the smallest", "median": "the median", "most": "the largest"}
-    return ", ".join(f"a factor of {min(each):.1f} to {max(each):.1f} ({names[what]})"
+    return ", ".join(f"a factor of {between(each, '.1f')} ({names[what]})"
                      for what, each in found.items())
 
 

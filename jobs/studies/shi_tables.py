@@ -1,10 +1,9 @@
 """Tables of the document of the study shi."""
-import numpy as np
-
+from . import study
 from .shi_decks import DECK, DESIGNS, TITLES
 from .shi_runs import FIXED
 from .shi_targets import values
-from .study import as_file, table
+from .study import as_file, span, table
 
 LOADING, TRAINS = (next(stage for stage in DECK["stage"] if stage["name"] == name)
                    for name in ("bed_in", "trains"))
@@ -25,24 +24,14 @@ QUANTITIES = ("ground, structure", "ground, 6 to 11 m", "ground, far",
               "ground, 90 % of the rise")
 
 
-def span(n, design, quantity, digits=3):
+def of_all(n, design, quantity, form=None):
     """Mean, least and most of all packings."""
-    return span_of(values(n, design, quantity), digits)
-
-
-def span_of(found, digits=3):
-    """Mean, least and most."""
-    if not len(found):
-        return "none"
-    text = f"{np.mean(found):.{digits}g}"
-    if len(found) == 1:
-        return text
-    return f"{text} ({min(found):.{digits}g} to {max(found):.{digits}g})"
+    return span(values(n, design, quantity), form)
 
 
 def cell(n, run, quantity):
-    return f"{n(run, quantity):.3g}" if (run, quantity) in n.rows else "lost support" \
-        if "acceleration" in quantity else ""
+    return study.cell(n, run, quantity,
+                      missing="lost support" if "acceleration" in quantity else "")
 
 
 def ground_rows(n, names):

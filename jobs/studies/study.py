@@ -18,12 +18,13 @@ import csv
 import dataclasses
 import io
 import json
-import math
 import pathlib
 import re
 import sys
 import textwrap
 import tomllib
+
+import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 INPUTS = ROOT / "inputs"
@@ -167,11 +168,35 @@ def table(head, rows):
     return "\n".join("| " + " | ".join(map(str, row)) + " |" for row in cells) + "\n"
 
 
-def span(values, form=".1f"):
-    """Mean (least to most) of several values, or the one."""
-    values = [float(value) for value in values]
-    texts = [f"{value:{form}}" for value in (sum(values) / len(values), min(values), max(values))]
-    return texts[0] if len(values) == 1 else f"{texts[0]} ({texts[1]} to {texts[2]})"
+def three_digits(value):
+    """A value with three digits, or more before the point."""
+    return f"{value:.0f}" if 1000 <= abs(value) < 1e5 else f"{value:.3g}"
+
+
+def cell(numbers, run, quantity, form=".3g", missing=""):
+    """A value in a table, or `missing` if the numbers have none."""
+    return f"{numbers(run, quantity):{form}}" if (run, quantity) in numbers.rows else missing
+
+
+def between(values, form=".0f"):
+    """'1 to 3', or the one if they read the same."""
+    low, high = (f"{value:{form}}" for value in (min(values), max(values)))
+    return low if low == high else f"{low} to {high}"
+
+
+def span(values, form=None):
+    """Mean (least to most) of several values, or the one; by default with three digits."""
+    def text(value):
+        return f"{value:{form}}" if form else three_digits(value)
+    if not len(values):
+        return "none"
+    mean = text(float(np.mean(values)))
+    return mean if len(values) == 1 else f"{mean} ({text(min(values))} to {text(max(values))})"
+
+
+def of_packings(count):
+    """What span() gives of so many packings."""
+    return f"{count} packings: mean (least to most)" if count > 1 else "one packing"
 
 
 def listed(values, form=".0f"):
@@ -193,14 +218,10 @@ def percent(ratio):
 
 def figure_of(target):
     """Our value, with the range over packings or the standard error, or what it stands for."""
-    def text(value):
-        return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
-    if target.infinite and math.isinf(target.ours):
+    if target.infinite and np.isinf(target.ours):
         return target.infinite
-    found = text(target.ours)
-    if len(target.each) > 1:
-        found += f" ({text(min(target.each))} to {text(max(target.each))})"
-    elif target.error:
+    found = span(target.each or (target.ours,))
+    if target.error:
         found += f" +- {target.error:.2g}"
     return f"{found} {target.unit}".rstrip()
 

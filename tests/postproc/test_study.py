@@ -16,8 +16,8 @@ import launch  # noqa: E402
 import study  # noqa: E402
 from studies import (chen, chen_runs, chen_targets, demfem, demfem_model,  # noqa: E402
                      demfem_targets, netirail, netirail_document, netirail_measure, shi, shi_runs)
-from studies.study import (Lines, Numbers, Run, Target, counted, reflowed,  # noqa: E402
-                           targets_table)
+from studies.study import (Lines, Numbers, Run, Target, between, cell, counted,  # noqa: E402
+                           of_packings, reflowed, span, targets_table)
 
 
 def test_numbers_and_lines_are_read_as_written(tmp_path):
@@ -64,6 +64,16 @@ def test_a_target_counts_the_packings_that_reproduce_it():
         "The one check of the input does not hold.")
     assert "| 10 (9 to 11) kPa | 0.0 % | yes |" in targets_table(
         [Target("stress", "main", "10 kPa", 10.0, "kPa", 10, 0.15, each=(9, 11))])
+
+
+def test_several_values_are_shown_with_their_range():
+    assert span([1, 3]) == "2 (1 to 3)" and span([12345.6]) == "12346" and span([]) == "none"
+    assert span([0.12, 0.14], ".1f") == "0.1 (0.1 to 0.1)"
+    assert between([2.2, 1.6], ".1f") == "1.6 to 2.2" and between([1.2, 1.4]) == "1"
+    numbers = Numbers({})
+    numbers.put("run", "rail", 0.123456, "mm")
+    assert cell(numbers, "run", "rail") == "0.123" and cell(numbers, "run", "pad") == ""
+    assert of_packings(1) == "one packing"
 
 
 def test_an_infinite_value_is_called_refused_only_by_its_target():
