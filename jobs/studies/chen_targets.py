@@ -10,6 +10,7 @@ from .study import Target
 CHECKS = {(25, 120): (667.57, 18.00), (17, 60): (364.99, 36.00), (20, 150): (586.38, 14.40)}
 WHEELBASE = 2.5  # m
 SETTLED = {17: 5.31, 25: 12.58}  # mm, published of sleeper 3 at 120 km/h by axle load, t
+BROKEN = 267  # %, published growth of fragments from 17 to 25 t
 FASTER = {60: 5.45, 150: 7.83}  # mm, published of sleeper 3 by speed, km/h
 VELOCITY = {60: 5.01, 150: 10.12}  # mm/s, published mean of stones under 25 t by speed, km/h
 PRESSURES = {"ballast on sub-ballast": 41.6, "sub-ballast on the base": 36.2}  # %, 17 to 25 t
@@ -92,6 +93,12 @@ def path_of(lines):
                 time[int(np.argmax(rises)) + 1])
 
 
+def changes_sign(numbers):
+    """Whether the shear does so at the largest deviator."""
+    path = path_of(numbers.lines)
+    return path.after / path.before < 0
+
+
 def targets(numbers):
     found = [*targets_of_load(numbers), *targets_of_settlement(numbers),
              *targets_of_breakage(numbers), *targets_of_stress(numbers),
@@ -164,7 +171,7 @@ def targets_of_settlement(numbers):
 
 def targets_of_breakage(numbers):
     more = growth(numbers, "corners broken")
-    yield compared("fragments: growth from 17 to 25 t", "main", "+267 %", more, "%", 267,
+    yield compared("fragments: growth from 17 to 25 t", "main", f"+{BROKEN} %", more, "%", BROKEN,
                    sign=more.mean() > 0, see="Breakage")
     below, edges, all_of = (np.concatenate([of(numbers, t, quantity) for t in (17, 25)])
                             for quantity in ("corners broken below sleepers",
@@ -213,7 +220,7 @@ def targets_of_stress(numbers):
 
 
 def targets_of_rotation(numbers):
-    # No sign is required: it differs from packing to packing, see the document.
+    # No sign is required: it may differ from packing to packing.
     yield dataclasses.replace(
         held("rotation of the principal stress: edges over centre of sleeper 3", "main",
              "more than 1", rotation_ratio(numbers), "", 1), sign=None, see="Rotation")

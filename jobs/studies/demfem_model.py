@@ -119,6 +119,19 @@ def stage_of(deck, kind):
     return next(stage for stage in deck["stage"] if stage.get("kind") == kind)
 
 
+EDGES = [x for area in GROUND_DECK["pressure"] for x in area["x"]]  # m, of loaded areas
+COLUMN = np.ptp(GROUND_DECK["ground"]["x"]) / GROUND_DECK["ground"]["elements_x"]  # m
+
+
+def edge_near(x):
+    return min(EDGES, key=lambda edge: abs(edge - x))
+
+
+def at_edge(x):
+    """Whether an edge of a loaded area is in the column of elements whose middle is x, m."""
+    return abs(edge_near(x) - x) <= COLUMN / 2
+
+
 def without_rest():
     """Decks whose stages between the placing of sleepers and the wheels have none of rest."""
     found = []

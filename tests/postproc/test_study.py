@@ -145,6 +145,52 @@ def test_the_document_states_what_the_numbers_say():
     assert words in " ".join(after.split()) and words not in " ".join(before.split())
 
 
+def changed_document(name, run_of, value_of=lambda run, quantity, value: value):
+    """The document of a study with the numbers of docs/studies, if each run is that of another
+    name and has other values."""
+    folder = study.INPUTS.parent / "docs/studies" / name
+    numbers = Numbers.read(folder / "numbers.csv")
+    numbers.rows = {(run_of(run), quantity): (value_of(run, quantity, value), unit)
+                    for (run, quantity), (value, unit) in numbers.rows.items()}
+    numbers.lines = Lines.read(folder / "lines.csv")
+    numbers.lines.rows = {(figure, run_of(line)): points
+                          for (figure, line), points in numbers.lines.rows.items()}
+    study.derive(name, numbers)
+    return " ".join(study.document_of(name, numbers).split())
+
+
+def exchanged(one, other):
+    return lambda run: run.replace(one, "?").replace(other, one).replace("?", other)
+
+
+def test_verdicts_on_shapes_follow_from_the_numbers():
+    def bounded(run, quantity, value):
+        return 1000 if quantity == "upper bound of the stiffness" else value
+    words = ("Non-convex stones make the bed stiffer", "mm less (published: 7 to 9",
+             "non-convex stones it is lower", "as non-convex stones yield more in the first",
+             "it lies below the published")
+    usual = changed_document("demfem", str)
+    other = changed_document("demfem", exchanged("_non_convex", "_convex"), bounded)
+    assert all(each in usual for each in words) and not any(each in other for each in words)
+    assert all(each in other for each in (
+        "Non-convex stones make the bed softer", "mm more (published: 7 to 9",
+        "non-convex stones it is higher", "as convex stones yield more in the first",
+        "it lies above the published"))
+
+
+def test_verdicts_on_loads_follow_from_the_numbers():
+    def outer(run, quantity, value):
+        return value * (0.5 if quantity in ("settlement, sleeper 1", "settlement, sleeper 5")
+                        else 1)
+    usual = changed_document("chen", str)
+    other = changed_document("chen", exchanged("t17_v120", "t25_v120"), outer)
+    for words in ("- As published: more fragments under", "The probable cause of the larger",
+                  "and the first bogie alone does not"):
+        assert words in usual and words not in other
+    assert ("at least in one packing: more fragments under the heavier axles; more settlement of "
+            "sleepers 1 and 5" in other)
+
+
 def test_the_part_of_a_record_in_other_bins_and_its_power_below_a_frequency():
     lines = Lines()
     for name, values in (("one", [0.01] * 3 + [-0.52]), ("other", [0.01, -0.52, -0.52, -0.52])):
