@@ -144,7 +144,7 @@ def find_forces(given):
             given.signal, folder, given.kernel, given.speed, first=given.axle - 1,
             quantity=given.quantity, method=given.method, criterion=given.criterion,
             known_noise=given.noise, refined=given.place == "acceleration",
-            **({"likeness": 0.0} if given.equal else {}))
+            towards=given.towards, **({"likeness": 0.0} if given.equal else {}))
 
 
 def find_ballast(given):

@@ -301,6 +301,9 @@ def for_forces(one: Command) -> None:
                           "one of the Green's functions")
     one.add_argument("--place", choices=("acceleration", "displacement"), default="acceleration",
                      help="by which the place of the train is found; default: %(default)s")
+    one.add_argument("--towards", choices=greens.TOWARDS,
+                     help="x towards which the train runs; default: larger, but it must be given "
+                          "for a train in the opposite order on a track that is not symmetric")
     of_sensor(one)
     draws(one)
 

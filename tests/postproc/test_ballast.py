@@ -17,16 +17,17 @@ class Beam:
     a blend of both deflection lines. A void adds what the sleeper falls below a wheel."""
     speed, stiffness, spacing, sensor = SPEED, 30e6, 0.6, 18.0
     sleepers = np.arange(0, 36.3, 0.6)
+    loads = np.full(4, LOAD)
 
     def displacement(self, value):
         x = np.arange(0.0, 60.0, SPEED / RATE)
         found = np.zeros(len(x))
-        for behind in BEHIND:
+        for behind, load in zip(BEHIND, self.loads):
             apart = np.abs(x - behind - self.sensor)
             lines = []
             for name in ("inside", "outside"):
                 root = (value[name] / self.spacing / (4 * BENDING))**0.25
-                lines.append(LOAD * root / (2 * value[name] / self.spacing) * np.exp(-root * apart)
+                lines.append(load * root / (2 * value[name] / self.spacing) * np.exp(-root * apart)
                              * (np.cos(root * apart) + np.sin(root * apart)))
             near = np.exp(-(apart / (2 * value["length"]))**2)
             found -= near * lines[0] + (1 - near) * lines[1]
@@ -35,8 +36,8 @@ class Beam:
         return x, found
 
 
-def signal_of(value, part=1e-3, seed=1):
-    _, moved = Beam().displacement({"length": 1.5, "void": 0.0, "dip": 0.0} | value)
+def signal_of(value, part=1e-3, seed=1, track=Beam()):
+    _, moved = track.displacement({"length": 1.5, "void": 0.0, "dip": 0.0} | value)
     moved = np.pad(moved, (3000, 3000))
     acceleration = np.gradient(np.gradient(moved, 1 / RATE), 1 / RATE)
     size = part * np.sqrt(np.mean(acceleration**2))
@@ -51,6 +52,18 @@ def test_stiffness_is_found(inside, outside):
     for name, true in (("inside", inside), ("outside", outside)):
         assert abs(found.value[name] - true) < 3 * found.deviation[name] + 0.1 * true
     assert found.misfit < 2 and not found.has_void
+
+
+@pytest.mark.parametrize("inside, outside", [(20e6, 20e6), (10e6, 30e6)])
+def test_train_in_the_opposite_order_is_refused(inside, outside):
+    class Locomotive(Beam):
+        loads = np.array([1.4, 1.4, 1.0, 1.0]) * LOAD
+    value = {"inside": inside, "outside": outside}
+    ahead, free = signal_of(value, track=Locomotive()), ("outside", "inside")
+    found, _ = ballast.calibrate(ahead, RATE, Locomotive(), free)
+    assert found.value["inside"] == pytest.approx(inside, rel=0.1)
+    with pytest.raises(read.Unreadable, match="correlation is 0.9.*train.vehicles"):
+        ballast.calibrate(ahead[::-1], RATE, Locomotive(), free)
 
 
 def test_dip_does_not_change_the_stiffness():

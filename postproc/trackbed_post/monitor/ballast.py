@@ -20,7 +20,7 @@ import scipy.optimize
 import scipy.signal
 
 from trackbed_post import read
-from trackbed_post.monitor import displacement, inverse
+from trackbed_post.monitor import direction, displacement, inverse
 
 NAMES = ("outside", "inside", "length", "void", "dip")
 LINEAR = ("void", "dip")  # the others are fitted by their logarithms
@@ -172,11 +172,26 @@ class Fit:
         return np.array([value[name] / TYPICAL[name] if name in LINEAR else
                          math.log(value[name]) for name in self.free])
 
+    def modelled(self, value):
+        """(position of the first wheel, displacement of the model without short wavelengths)."""
+        x, model = self.track.displacement(value)
+        even = np.arange(x[0], x[-1], self.step)
+        return even, slow(np.interp(even, x, model), self.step)
+
+    def refuse_opposite_order(self):
+        """Raises read.Unreadable if the train, or the track, is that of the deck from behind."""
+        _, model = self.modelled(self.start)
+        forth, back = (direction.similarity(self.measured, one) for one in (model, model[::-1]))
+        if direction.order_by(forth, back) < 0:
+            raise read.Unreadable(
+                "the displacement is that of the deck's train in the opposite order: the "
+                f"coefficient of correlation is {back:.3f}, in the order of the deck {forth:.3f}; "
+                "give a deck with train.vehicles in the opposite order, and for a train towards "
+                "smaller x with the mirror image of the track (length - x of zones and --sensor)")
+
     def compared(self, unknown):
         """(position of the first wheel, measured, model, weight) every EVERY m."""
-        x, model = self.track.displacement(self.values(unknown))
-        even = np.arange(x[0], x[-1], self.step)
-        model = slow(np.interp(even, x, model), self.step)
+        even, model = self.modelled(self.values(unknown))
         shift, _ = inverse.most_similar(self.measured, model)
         place = np.arange(len(model)) + shift
         inside = (place >= 0) & (place <= len(self.measured) - 1)
@@ -242,6 +257,7 @@ def calibrate(acceleration, rate, track, free=NAMES, doubtful=None, noise=None):
     found = displacement.reconstruct(acceleration, rate, track.speed, doubtful=doubtful,
                                      noise=noise)
     sound = Fit(track, found, rate, [name for name in free if name != "void"])
+    sound.refuse_opposite_order()
     done = sound.solved(sound.start)
     if "void" not in free:
         return sound.ballast(done), found

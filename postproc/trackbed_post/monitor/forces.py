@@ -26,7 +26,7 @@ def forces(signal_name, folder, kernel_path, speed, **choices):
     folder.remarks += [*signal.remarks, *faults_of(moved), *remarks_of(came, moved)]
     surface = None
     try:
-        surface = inverse.irregularity(found, kernel, speed, choices.get("first", 0))
+        surface = inverse.irregularity(found, came.kernel, speed, choices.get("first", 0))
     except read.Unreadable as why:
         folder.remarks.append(f"no irregularity: {why}")
     write(folder, found, came, surface, kernel.sensor)
@@ -84,10 +84,17 @@ def faults_of(moved):
 
 
 def remarks_of(came, moved):
-    """Of a displacement that is not that of the kernel's track and train."""
+    """Of a train in another order, and of a displacement that is not that of the kernel's track and
+    train."""
+    remarks = []
+    if came.order < 0:
+        remarks.append("the wheels pass in the order opposite to that of the deck: axles are "
+                       "counted as they pass, x is that of a train towards "
+                       f"{came.kernel.towards} x")
     if abs(came.ratio - 1) <= max(NEAR, 2 * moved.deviation.max() / moved.peak[0]):
-        return []
-    return [f"the sleeper is displaced {came.ratio:.3g} times as far as under the static forces on "
+        return remarks
+    return [*remarks,
+            f"the sleeper is displaced {came.ratio:.3g} times as far as under the static forces on "
             "the track of the Green's functions: axle loads or ballast are other ones"]
 
 

@@ -14,6 +14,7 @@ from trackbed_post import read
 KIND = "trackbed Green's functions"
 SAME_SPEED = 2e-3  # relative, of a moving response
 QUANTITIES = ("displacement", "acceleration")
+LARGER, SMALLER = TOWARDS = ("larger", "smaller")  # x, towards which a train runs
 
 
 @dataclasses.dataclass(frozen=True)
@@ -30,13 +31,25 @@ class Wheels:
         """m, of wheel and rail; 0 without contact."""
         return (np.maximum(force, 0.0) / self.constant)**(1 / self.exponent)
 
+    def turned(self):
+        """Last to first, as they pass in the opposite order."""
+        return dataclasses.replace(self, behind=self.behind[-1] - self.behind[::-1],
+                                   load=self.load[::-1], mass=self.mass[::-1])
+
+    def alike(self, other):
+        """Whether these are the same wheels at the same distances, but for rounding."""
+        return (np.allclose(self.behind, other.behind, atol=1e-3)
+                and np.allclose(self.load, other.load, rtol=1e-3)
+                and np.allclose(self.mass, other.mass, rtol=1e-3))
+
 
 @dataclasses.dataclass(frozen=True)
 class Kernel:
     """Responses to a force of one sample: `fixed`, of the sensor, by rail and quantity, [position,
     lag], m/N or m/s2/N; `moving`, of the rail below the first wheel, by rail, a table for each of
     the axles that are `behind` m behind this wheel. x, moving_x, sensor in m; rate in Hz; speed of
-    the moving response, m/s, or 0; `wheels` of the deck's train, or None."""
+    the moving response, m/s, or 0; `wheels` of the deck's train, or None, in the order in which
+    they pass; `towards`: larger x, or smaller x of the deck, whose mirror image x is then."""
     rate: float
     sensor: float
     side: str
@@ -47,10 +60,29 @@ class Kernel:
     moving_x: np.ndarray
     moving: dict
     behind: np.ndarray
+    towards: str = LARGER
 
     @property
     def samples(self):
         return next(iter(self.fixed.values()))["displacement"].shape[1]
+
+    def turned(self):
+        """With the wheels in the opposite order."""
+        return dataclasses.replace(self, wheels=self.wheels.turned())
+
+    def mirror(self, x):
+        """m, of positions in the mirror image of the track."""
+        return self.x[0] + self.x[-1] - x
+
+    def mirrored(self):
+        """Of the mirror image of the track, on which a train runs towards larger x that runs
+        towards smaller x of the deck. Responses of the sensor do not depend on where the force goes
+        next; the moving response does, and is left out."""
+        return dataclasses.replace(
+            self, sensor=self.mirror(self.sensor), x=self.mirror(self.x)[::-1], moving={},
+            fixed={rail: {name: table[::-1] for name, table in tables.items()}
+                   for rail, tables in self.fixed.items()},
+            towards=SMALLER if self.towards == LARGER else LARGER)
 
 
 def load(path):

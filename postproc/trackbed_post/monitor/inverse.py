@@ -19,7 +19,7 @@ import scipy.signal
 
 from trackbed_post import read
 from trackbed_post.monitor import displacement as reconstruction
-from trackbed_post.monitor import greens, regularised
+from trackbed_post.monitor import direction, greens, regularised
 
 RANGE = (-3.0, 4.0)  # m, from the sensor: where forces are not the static ones
 LIKENESS = 0.15      # standard deviation of what is one wheel's own, over what both have
@@ -41,10 +41,14 @@ DRAWS = 30           # forces from their distribution, for uncertainties
 @dataclasses.dataclass(frozen=True)
 class Arrival:
     """Position of the first wheel at the first sample, m, its standard deviation, m, and the ratio
-    of the measured displacement to that of the track under static forces."""
+    of the measured displacement to that of the track under static forces; order of the wheels
+    (direction.order_of); Green's functions with the wheels in this order, in the direction of the
+    train."""
     start: float
     deviation: float
     ratio: float
+    order: int = 0
+    kernel: greens.Kernel | None = None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -143,21 +147,28 @@ def arrival(found, kernel, speed, forces=None, first=0):
     """Arrival of the kernel's train: the displacement (a Reconstruction) is most similar to that
     under static forces, or under the `forces` (Forces) of the bogie that begins with wheel `first`,
     which all bogies with as many wheels have."""
+    slow, expected = slow_parts(found, kernel, speed, forces, first)
+    shift, similarity = most_similar(slow, expected)
+    step = speed / kernel.rate  # m
+    # Errors of the displacement are smooth: each flank below a bogie is one measurement.
+    slope = np.sqrt(np.mean(np.gradient(slow[~found.at_rest], step)**2))
+    flanks = 2 * (1 + np.sum(np.diff(kernel.wheels.behind) > BOGIE))
+    error = np.sqrt(np.mean(found.deviation**2)) / np.sqrt(flanks)
+    return Arrival(start=-shift * step, deviation=float(error / slope),
+                   ratio=float(similarity / np.sum(expected**2)))
+
+
+def slow_parts(found, kernel, speed, forces=None, first=0):
+    """Displacements, m, measured and expected of a train that comes from x = 0, as for `arrival`:
+    wavelengths above SLOW."""
     length = kernel.x[-1] + kernel.wheels.behind[-1]
     passing = Passing(kernel, 0.0, int(length / speed * kernel.rate) + kernel.samples, speed)
     sections = scipy.signal.butter(2, speed / SLOW, fs=kernel.rate, output="sos")
     expected = passing.of_static("displacement")
     if forces is not None:
         expected = expected + passing.of_changes("displacement", forces, first)
-    expected = scipy.signal.sosfiltfilt(sections, expected)
-    slow = scipy.signal.sosfiltfilt(sections, found.displacement)
-    shift, similarity = most_similar(slow, expected)
-    # Errors of the displacement are smooth: each flank below a bogie is one measurement.
-    slope = np.sqrt(np.mean(np.gradient(slow[~found.at_rest], passing.step)**2))
-    flanks = 2 * (1 + np.sum(np.diff(kernel.wheels.behind) > BOGIE))
-    error = np.sqrt(np.mean(found.deviation**2)) / np.sqrt(flanks)
-    return Arrival(start=-shift * passing.step, deviation=float(error / slope),
-                   ratio=float(similarity / np.sum(expected**2)))
+    return (scipy.signal.sosfiltfilt(sections, found.displacement),
+            scipy.signal.sosfiltfilt(sections, expected))
 
 
 def most_similar(measured, expected):
@@ -261,17 +272,21 @@ def identify(problem, likeness=LIKENESS, method="tikhonov", criterion="gcv", noi
 
 
 def evaluate(acceleration, kernel, speed, doubtful=None, quantity="acceleration", first=0,
-             bounds=RANGE, known_noise=None, refined=True, **choices):
+             bounds=RANGE, known_noise=None, refined=True, towards=None, **choices):
     """(Forces, Arrival, Reconstruction) of a passage of the kernel's train, from an acceleration at
     the rate of the kernel; `choices` are those of `identify`, `known_noise` is that of
     displacement.reconstruct. `refined`: whether the acceleration improves the place of the train,
-    which is found by the displacement at first."""
-    bogie_of(kernel, first)
+    which is found by the displacement at first. `towards`: of direction.of_passage. Axles are
+    counted in the order in which they pass."""
+    bogie_of(kernel)
     if quantity == "displacement" and choices.get("criterion") == "residual":
         raise read.Unreadable('the criterion "residual" needs white noise, which a displacement '
                               'does not have: choose another criterion or the acceleration')
     found = reconstruction.reconstruct(acceleration, kernel.rate, speed, doubtful=doubtful,
                                        noise=known_noise)
+    deck = kernel
+    kernel, order = direction.of_passage(
+        kernel, towards, lambda one: direction.similarity(*slow_parts(found, one, speed)))
     came = arrival(found, kernel, speed)
     upright = np.asarray(acceleration, float) * (-1 if found.reversed else 1)
     if refined:
@@ -285,7 +300,19 @@ def evaluate(acceleration, kernel, speed, doubtful=None, quantity="acceleration"
     signal = upright if quantity == "acceleration" else found.displacement
     problem = Problem(signal, kernel, speed, came.start, quantity, first, bounds)
     choices = {"noise": found.noise, "unsure": came.deviation} | choices
-    return identify(problem, **choices), came, found
+    forces, came = identify(problem, **choices), dataclasses.replace(came, order=order,
+                                                                     kernel=kernel)
+    if kernel.towards != deck.towards:
+        forces, came = mirrored(forces, came, deck)
+    return forces, came, found
+
+
+def mirrored(forces, came, deck):
+    """(Forces, Arrival) at positions of the deck, m, if found in the mirror image of its track."""
+    return (dataclasses.replace(forces, x=deck.mirror(forces.x)[::-1],
+                                force=forces.force[:, ::-1], deviation=forces.deviation[:, ::-1],
+                                draw=lambda random: forces.draw(random)[:, ::-1]),
+            dataclasses.replace(came, start=deck.mirror(came.start)))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -336,6 +363,11 @@ def irregularity(forces, kernel, speed, first=0, extent=EXTENT, draws=DRAWS, see
 
 def refuse_irregularity(forces, kernel, speed, first):
     """Raises read.Unreadable if the kernel has no moving response for these forces."""
+    if kernel.towards == greens.SMALLER:
+        raise read.Unreadable("the moving response is that of a train towards larger x, but this "
+                              "one runs towards smaller x: call `trackbed kernel` with the mirror "
+                              "image of the deck's track (length - x of zones and sensor), and "
+                              "`forces` with --towards larger")
     behind = kernel.wheels.behind[bogie_of(kernel, first)]
     behind = behind - behind[0]
     if not kernel.moving:
