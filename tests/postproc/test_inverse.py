@@ -191,6 +191,18 @@ def test_irregularity_needs_the_moving_response(passage, change, why):
         inverse.irregularity(true, dataclasses.replace(passage.kernel, **change), SPEED)
 
 
+def test_remedy_for_a_bogie_that_is_not_the_first_of_the_train(passage):
+    """A coach before a locomotive with three axles in a bogie: --axles 3 alone, of this train,
+    would be axles 0, 2.5 and 19 m behind the first."""
+    kernel = dataclasses.replace(passage.kernel, wheels=greens.Wheels(
+        np.array([0.0, 2.5, 19.0, 21.5, 26.0, 27.8, 29.6]), np.full(7, LOAD), np.full(7, MASS),
+        CONSTANT, 1.5))
+    true = inverse.Forces(passage.x, passage.force, 0 * passage.force, 0, (), None)
+    why = r"0, 2.5 m .* 0, 1.8, 3.6 m .*--axles 3 and a deck whose train begins with this bogie"
+    with pytest.raises(read.Unreadable, match=why):
+        inverse.irregularity(true, kernel, SPEED, first=4)
+
+
 def test_solutions_by_formula():
     """Of a diagonal matrix the regularised solution is known."""
     values = np.array([4.0, 1.0, 0.01])

@@ -379,9 +379,8 @@ def refuse_irregularity(forces, kernel, speed, first):
             not np.allclose(kernel.behind[:len(behind)], behind, atol=1e-3):
         raise read.Unreadable(
             f"the moving response is that of axles {words_of(kernel.behind)} m behind the first, "
-            f"those of the bogie are {words_of(behind)} m behind: "
-            + (f"call `trackbed kernel` with --axles {len(behind)}" if len(kernel.behind) <
-               len(behind) else "its train must begin with this bogie"))
+            f"those of the bogie are {words_of(behind)} m behind: call `trackbed kernel` with "
+            f"--axles {len(behind)} and a deck whose train begins with this bogie")
     if not kernel.wheels.mass[first] > 0:
         raise read.Unreadable('wheels of constant force have no mass: use vehicles with wheelsets, '
                               'not of kind "forces"')
