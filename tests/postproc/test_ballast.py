@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from trackbed_post import read
-from trackbed_post.monitor import ballast, displacement
+from trackbed_post.monitor import ballast, calibration, displacement
 
 RATE, SPEED = 2000.0, 50.0
 BEHIND, LOAD, BENDING = np.array([0.0, 2.9, 19.0, 21.9]), 75e3, 6.4e6
@@ -79,6 +79,19 @@ def test_void_is_found_where_there_is_one(void):
                               Beam(), ("outside", "inside", "void"))
     assert found.has_void == (void > 0)
     assert found.value["void"] == pytest.approx(void, abs=4 * found.deviation["void"])
+
+
+def test_void_that_is_not_significant_does_not_spoil_the_stiffness():
+    """What fits better counts for the other values: without the void the sleeper seems softer."""
+    signal = signal_of({"inside": 20e6, "outside": 20e6, "void": 1e-4})
+    found, _ = ballast.calibrate(signal, RATE, Beam(), ("outside", "inside", "void"))
+    without, _ = ballast.calibrate(signal, RATE, Beam(), ("outside", "inside"))
+    assert 0 < found.gain < ballast.SIGNIFICANT**2 and not found.has_void
+    assert found.value["inside"] == pytest.approx(20e6, rel=0.02)
+    assert without.value["inside"] < 0.96 * 20e6
+    remark, = calibration.remarks_of(found)
+    assert "void of 0.09 mm" in remark and "more than 9" in remark and "--without void" in remark
+    assert calibration.remarks_of(without) == []
 
 
 def test_void_that_fits_worse_does_not_change_the_other_values():

@@ -29,10 +29,22 @@ def calibrate(signal_name, folder, deck, program, sensor, speed, without, noise=
         lines.append(f"{'there is a void':30} {'yes' if found.has_void else 'no':>10}\n")
     lines.append(f"{'misfit':30} {found.misfit:10.3g}\n")
     folder.table("ballast.txt", "".join(lines))
-    if found.misfit > POOR:
-        folder.remarks.append(f"the misfit of {found.misfit:.2g} is above {POOR:g}: the model does "
-                              "not explain the signal; its values and deviations mean little")
+    folder.remarks += remarks_of(found)
     folder.picture("ballast", picture(found, track.sensor))
+
+
+def remarks_of(found):
+    """Of a Ballast that the signal hardly supports."""
+    remarks, void = [], found.value["void"]
+    if void > 0 and not found.has_void:
+        remarks.append(f"the void of {1e3 * void:.2g} mm reduces the sum of squares by "
+                       f"{found.gain:.2g}, not by more than {ballast.SIGNIFICANT**2:g}: it may be "
+                       "none, but the other values are those with it; compare them with those of "
+                       "--without void")
+    if found.misfit > POOR:
+        remarks.append(f"the misfit of {found.misfit:.2g} is above {POOR:g}: the model does not "
+                       "explain the signal; its values and deviations mean little")
+    return remarks
 
 
 def picture(found, sensor):
