@@ -96,6 +96,11 @@ def check_kernel(crossing):
     require(list(one) == list(two) and all(
         np.array_equal(one[name].values, two[name].values) for name in one), "kernels of 2 ranks")
     require(one["moving/left/axle_2"].values.shape == (11, 251), "shape of the moving response")
+    # The first bogie has the axles within 4 m of the first one: at 0, 1.8 and 2.4 m, not at 4.2 m.
+    crossing.program.done(1, "kernel", crossing.deck, "-o", folder / "bogie.h5", *words, *range_of,
+                          "vehicle.coach.wheelbase=1.8", "vehicle.coach.bogie_distance=2.4")
+    axles = [name for name in read.datasets(folder / "bogie.h5") if "moving/left/axle" in name]
+    require(len(axles) == 3, f"axles of the first bogie: {axles}")
     kernel = greens.load(folder / "kernel_1.h5")
     require(kernel.sensor == 18 and np.allclose(kernel.wheels.mass, 670)
             and np.allclose(kernel.wheels.load.sum(), 4 * 15500 / 2 * 9.81, rtol=1e-3),

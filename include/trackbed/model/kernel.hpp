@@ -14,8 +14,9 @@ namespace trackbed::model {
 struct KernelParameters : track::GreensParameters {
   std::string rail = "left";  // of two rails: left or right
   double apart = 0.01;        // m, between positions of the force
-  std::int64_t bogie = 2;     // number of axles, from the first one, of the moving response
-  double from = 0, to = 0;    // m, range of the force of the moving response; to 0: track's end
+  // Number of axles, from the first one, of the moving response; 0: those of the first bogie.
+  std::int64_t bogie = 0;
+  double from = 0, to = 0;  // m, range of the force of the moving response; to 0: track's end
 };
 
 // Writes the functions and the wheels of the model's train into `file` (HDF5). Returns a line that

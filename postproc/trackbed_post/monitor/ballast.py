@@ -10,6 +10,7 @@ the displacement, too.
 import dataclasses
 import json
 import math
+import os
 import pathlib
 import subprocess
 import tempfile
@@ -38,6 +39,8 @@ PERTURBED = 0.05    # of unknowns, for derivatives
 VOIDS = 2e-4, 1e-3  # m, from which the fit begins
 MARGIN = 8          # residuals, by which their number may grow from the first run on
 MOST_TRIALS = 20    # of unknowns, from one begin
+# Open MPI starts no process of its own beside a run on one rank, which lasts a third of a second.
+ALONE = {"OMPI_MCA_ess_singleton_isolated": "1"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -121,23 +124,23 @@ class Track:
     def kernel(self, value, path):
         """Writes Green's functions of the sleeper with the sensor on this ballast, without a void,
         into a file."""
-        ran = subprocess.run([self.program, "kernel", self.deck, "-o", path, "--sensor",
-                              repr(self.sensor), *self.words_of(value | {"void": 0.0})],
-                             capture_output=True, text=True, check=False)
-        if ran.returncode:
-            raise read.Unreadable(f"trackbed kernel ended with {ran.returncode}:\n{ran.stderr}")
+        self.call("kernel", self.deck, "-o", path, "--sensor", repr(self.sensor),
+                  *self.words_of(value | {"void": 0.0}))
 
     def ran(self, words):
         """(deck with all values, datasets) of a run."""
         with tempfile.TemporaryDirectory() as folder:
-            ran = subprocess.run(
-                [self.program, "run", self.deck, f"train.speed={self.speed!r}",
-                 f"passage.step={STEP}", f"output.history_interval={STEP}",
-                 f"passage.points=[{self.sensor}]", *words, "-o", folder, "--force"],
-                capture_output=True, text=True, check=False)
-            if ran.returncode:
-                raise read.Unreadable(f"trackbed ended with {ran.returncode}:\n{ran.stderr}")
+            self.call("run", self.deck, f"train.speed={self.speed!r}", f"passage.step={STEP}",
+                      f"output.history_interval={STEP}", f"passage.points=[{self.sensor}]", *words,
+                      "-o", folder, "--force")
             return read.origin(folder)[1], read.datasets(folder)
+
+    def call(self, command, *words):
+        """Runs the program on one rank."""
+        ran = subprocess.run([self.program, command, *words], capture_output=True, text=True,
+                             check=False, env=os.environ | ALONE)
+        if ran.returncode:
+            raise read.Unreadable(f"trackbed {command} ended with {ran.returncode}:\n{ran.stderr}")
 
 
 def dip_of(depth, at):

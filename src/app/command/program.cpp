@@ -113,10 +113,9 @@ void declare_kernel(CLI::App* sub, Arguments& arguments) {
                           ->check(CLI::Range(1.0, 200.0));
   sub->add_option("--axles", kernel.bogie,
                   "Number of axles, from the first one, whose forces deflect the rail below the "
-                  "first wheel")
+                  "first wheel; unless given, those within 4 m of it, the bogie")
       ->needs(moving)
-      ->check(CLI::Range(1, 16))
-      ->capture_default_str();
+      ->check(CLI::Range(1, 16));
   sub->add_option("--from", kernel.from, "Range of the force of the moving response, m")
       ->needs(moving)
       ->check(CLI::NonNegativeNumber)

@@ -20,6 +20,15 @@ namespace {
 
 constexpr double most_numbers = 5e8;  // of a table, 4 GB
 
+// Axles within this distance of the first one are of its bogie, as for `postproc forces`.
+constexpr double longest_bogie = 4.0;  // m
+
+// Of axles that are `behind` m behind the first one.
+std::ptrdiff_t axles_of_first_bogie(const std::vector<double>& behind) {
+  return std::count_if(behind.begin(), behind.end(),
+                       [](double distance) { return distance <= longest_bogie; });
+}
+
 const char* name_of(std::size_t side) { return side == 0 ? "left" : "right"; }
 
 // Reasons why a track has no Green's functions, or none of this kind.
@@ -163,7 +172,9 @@ std::string write_kernel(const par::Comm& comm, const Model& model, KernelParame
   const track::Line& line = built.line;
   refuse_stops(line);
   const Wheels wheels = wheels_of(built, parameters.side);
-  const auto bogie = std::min<std::ptrdiff_t>(std::ssize(wheels.behind), parameters.bogie);
+  const auto bogie = parameters.bogie == 0
+                         ? axles_of_first_bogie(wheels.behind)
+                         : std::min<std::ptrdiff_t>(std::ssize(wheels.behind), parameters.bogie);
   if (bogie > 0) parameters.axles.assign(wheels.behind.begin(), wheels.behind.begin() + bogie);
   const track::GreensFunctions greens(line, parameters);
   const double sensor = line.sleeper_x(line.nearest_sleeper(parameters.sensor));
