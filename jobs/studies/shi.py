@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 import scipy.optimize
 
-from . import shi_runs, shi_targets
+from . import shi_runs, shi_space, shi_targets
 from .shi_decks import (DECK, EDGE, FILTER, GRAVITY, GROUND, LOAD, SPACING, filtered_acceleration)
 from .shi_runs import (AXLE_AT, FIXED, KEPT, MANY_TRAINS, MAPPED, S1, S2, SHOWN_TRAINS, TRAINED,
                        seats)
@@ -32,6 +32,8 @@ def measure(form, folder, numbers, lines):
             surfaces[run.name] = measure_ground(run.name, place, numbers, lines)
         elif run.name.startswith("maps"):
             measure_maps(run.name, place, numbers, lines)
+        elif run.name in shi_space.names():
+            shi_space.measure(run.name, place, numbers, lines)
         else:
             surfaces[run.name] = measure_stones(run.name, place, numbers, lines)
         numbers.put(run.name, "wall_time", float(summary(place, "wall_time_s")), "s")

@@ -6,6 +6,7 @@ from .study import deck_of
 from trackbed_post import signals  # noqa: I001 (found by .study)
 
 STONES, SHORT, GROUND = "shi/transition.toml", "shi/short.toml", "shi/ground.toml"
+SPACE = "shi/space.toml"
 DECK, ALONE = deck_of(STONES), deck_of(GROUND)
 LOAD = DECK["load"]
 EDGE = 2.0  # m, x where the structure ends

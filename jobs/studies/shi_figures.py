@@ -5,6 +5,7 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
+from . import shi_space_document  # noqa: E402
 from .shi_decks import DESIGNS, EDGE, LOAD, TITLES  # noqa: E402
 from .shi_runs import AXLE_AT, BOUNDARIES, FIXED, MAPPED, S1, S2, SPEEDS, WEDGES  # noqa: E402
 from .shi_tables import NAMES  # noqa: E402
@@ -40,6 +41,7 @@ def figures(n, lines, folder):
         draw_ground(lines, folder)
         for what in MAPPED:
             draw_maps(lines, folder, what)
+        shi_space_document.draw(lines, folder)
 
 
 def draw_surface(n, lines, folder):

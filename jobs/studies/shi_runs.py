@@ -1,4 +1,7 @@
 """Runs of the study shi, and the constants that its numbers and its document share."""
+import json
+
+from . import shi_space
 from .shi_decks import (ALONE, DECK, DESIGNS, GRAVITY, GROUND, LOAD, NO_WEDGE, SHORT, STONES)
 from .study import Run, as_file, deck_of
 
@@ -34,6 +37,23 @@ def thinner(metres):
             *(f"ground.{kind}.{each['name']}.{key}={ratio * each[key]:.6g}"
               for kind in ("layer", "block") for each in DECK["ground"][kind]
               for key in ("young", "density")))
+
+
+def below_soil(modulus):
+    """Springs of this modulus, Pa/m, below the soil, but not below the structure: a layer 0.1 m
+    thick that does not expand sideways, on a fixed base."""
+    thickness = 0.1
+    layers = [*ALONE["ground"]["layer"], {"name": "springs", "thickness": thickness,
+                                          "young": modulus * thickness, "poisson": 0,
+                                          "density": 1850}]
+    block = next(each for each in ALONE["ground"]["block"] if each["name"] == "structure")
+    bottom = min(block["outline"])
+    outline = [bottom - thickness if value == bottom else value for value in block["outline"]]
+    text = ",".join("{" + ",".join(f"{key}={json.dumps(value)}" for key, value in layer.items())
+                    + "}" for layer in layers)
+    return (f"ground.layer=[{text}]",
+            f"ground.block.structure.outline=[{','.join(f'{value:g}' for value in outline)}]",
+            f"ground.elements_z={ALONE['ground']['elements_z'] + 1}")
 
 
 def stones(packing):
@@ -124,9 +144,14 @@ BOUNDARIES = {
     "viscous base without springs, viscous sides": (
         "ground.base=viscous", "ground.base_stiffness=0", "ground.sides=viscous"),
 }
+ON_SPRINGS = "ground 1 m thick, viscous base on springs of 1e8 Pa/m, viscous sides"
+SOIL_ON_SPRINGS = "ground 1 m thick, springs of 1e8 Pa/m below the soil alone, viscous sides"
 OPEN = {
     "ground 1 m thick instead of 1.3 m": ("thickness=1",),
     "ground 1 m thick, viscous sides": ("thickness=1", "ground.sides=viscous"),
+    ON_SPRINGS: ("thickness=1", "ground.base=viscous", "ground.base_stiffness=1e8",
+                 "ground.sides=viscous"),
+    SOIL_ON_SPRINGS: ("thickness=1", "ground.sides=viscous", *below_soil(1e8)),
     "plane strain": ("ground.plane=strain",),
     "loads of a power of the distance": ("load.kind=power", "load.ratio=0.5531"),
 }
@@ -175,8 +200,7 @@ def ground(name, design, *words):
 
 
 def runs(form, ranks):
-    del ranks  # runs side by side use them better than one run on all of them
-    found = []
+    found = []  # on one rank: runs side by side use several better than one run on all of them
     if form == "short":
         words = (f"material.ballast.density={DECK['material'][0]['density']}",
                  sensors(deck_of(SHORT)))
@@ -193,4 +217,5 @@ def runs(form, ranks):
                   for group in (BOUNDARIES, OPEN, CONVERGENCE) for name, words in group.items()]
         found += [ground(f"{kmh} km/h", design, *at_speed(kmh)) for kmh in SPEEDS]
         found += [ground(LOADED, design, *VEHICLE), ground(SAMPLED, design, *TABLE)]
-    return found + [ground(name, "wedge", *words) for name, words in WEDGES.items()]
+    found += [ground(name, "wedge", *words) for name, words in WEDGES.items()]
+    return found + shi_space.runs(ranks)

@@ -397,8 +397,7 @@ def part_missing():
 - The deviations of 2.9 and 31 % that the study states between computed and measured accelerations.
 - The gradual increase of the ballast's acceleration from the structure to the embankment: a figure.
 - A packing with stones of {PUBLISHED_STONES} kg/m3 as loose as the study's; sleepers of disks.
-- A ground of 1 m thickness on springs; other packings prepared with full friction.
-- Not in the study, and not done: a part in three dimensions with angular stones.
+- Other packings prepared with full friction.
 """
 
 

@@ -1,7 +1,7 @@
 """Tables of the document of the study shi."""
 from . import study
 from .shi_decks import DECK, DESIGNS, TITLES
-from .shi_runs import FIXED
+from .shi_runs import FIXED, ON_SPRINGS, SOIL_ON_SPRINGS
 from .shi_targets import values
 from .study import as_file, span, table
 
@@ -15,6 +15,9 @@ NAMES = {  # in tables
     FIXED: REFERENCE,
     "ground 1 m thick instead of 1.3 m": "out-of-plane thickness of the ground 1 m instead of 1.3",
     THIN: "out-of-plane thickness of the ground 1 m, viscous sides",
+    ON_SPRINGS: "out-of-plane thickness 1 m, viscous base on springs of 1e8 Pa/m, viscous sides",
+    SOIL_ON_SPRINGS: "out-of-plane thickness 1 m, springs of 1e8 Pa/m below the soil but not below "
+                     "the structure, viscous sides",
     "loads of a power of the distance": "seat loads X^((s/0.6 m)^2) of each axle, X = 0.5531",
     "without a bottom, 10 m long at the top": "triangle, 10 m long at the top, none at the bottom",
     "upside down, 13 m long at the bottom": "3 m long at the top, 13 m at the bottom",
