@@ -69,7 +69,10 @@ def measure(name, place, numbers, lines):
                                           run.sleeper["velocity"].values[rows])).max(axis=0)
     for what, of in (("least", np.min), ("median", np.median), ("most", np.max)):
         numbers.put(name, f"acceleration, {what}", of(shaken), "g")
-    for stage in summary(place, "stages"):
+    stages = summary(place, "stages")
+    numbers.put(name, "sub-step over the longest stable one, most", max(
+        stage["window_s"] / stage["substeps"] / stage["stable_step_s"] for stage in stages), "-")
+    for stage in stages:
         if stage["name"] == "compact":
             numbers.put(name, "bulk density", stage["bulk_density_kg_m3"], "kg/m3")
         if stage["name"] == "passage":

@@ -51,6 +51,8 @@ def part(n):
            for where in MODELS}
     falls = {where: np.mean(values(n, where, "wedge", "ground, steepest"))
              / np.mean(values(n, where, "none", "ground, steepest")) - 1 for where in MODELS}
+    longest = {where: max(value for design in DESIGNS for value in values(
+        n, where, design, "sub-step over the longest stable one, most")) for where in MODELS}
     width = deck["bed"]["y"][1]
     sieves = deck["bed"]["sieve"]
     return heading("In space") + f"""
@@ -69,7 +71,8 @@ and its stones are prisms with contacts of 500 MN/m. {count}
 The steepest change of the surface is changed by the wedge by {percent(falls["plane"])} in the
 plane and by {percent(falls["space"])} in space. The bed itself, sleepers beyond the edge less the
 surface, is compressed by {far["plane"][0]:.2g} mm without and {far["plane"][1]:.2g} mm with wedge
-in the plane, by {far["space"][0]:.2g} and {far["space"][1]:.2g} mm in space.
+in the plane, by {far["space"][0]:.2g} and {far["space"][1]:.2g} mm in space. Sub-steps are at most
+{longest["plane"]:.2f} (plane) and {longest["space"]:.2f} (space) times as long as stable ones.
 """
 
 
