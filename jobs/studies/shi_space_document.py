@@ -7,7 +7,7 @@ import numpy as np  # noqa: E402
 
 from .shi_decks import DESIGNS, EDGE, SPACE, TITLES, deck_of  # noqa: E402
 from .shi_space import END, MODELS, PACKINGS, name_of  # noqa: E402
-from .study import COLOURS, heading, percent, save, table  # noqa: E402
+from .study import COLOURS, heading, of_packings, percent, save, span, table  # noqa: E402
 
 COLUMNS = [(where, design) for where in MODELS for design in DESIGNS]
 ROWS = (("surface of the structure, mm", "ground, structure"),
@@ -30,22 +30,12 @@ def values(n, where, design, quantity):
             (name_of(where, design, packing) for packing in PACKINGS) if (name, quantity) in n.rows]
 
 
-def span(found):
-    """Mean, and least to most of several."""
-    if not found:
-        return ""
-    text = f"{np.mean(found):.3g}"
-    return text if len(found) == 1 else f"{text} ({min(found):.3g} to {max(found):.3g})"
-
-
 def part(n):
     deck = deck_of(SPACE)
     rows = [(title, *(span(values(n, *column, quantity)) for column in COLUMNS))
             for title, quantity in ROWS]
     stones, density = (values(n, "space", "wedge", of)[0] for of in ("stones", "bulk density"))
-    packings = len(values(n, "space", "none", "stones"))
-    count = ("One packing each:" if packings == 1 else
-             f"{packings} packings each, mean (least to most):")
+    count = of_packings(len(values(n, "space", "none", "stones")))
     far = {where: [np.mean(values(n, where, design, "sleeper, median beyond"))
                    - np.mean(values(n, where, design, "ground, far")) for design in DESIGNS]
            for where in MODELS}
@@ -65,7 +55,7 @@ sleepers are those of {width:g} m of the 1.3 m of half a sleeper. The bed has {d
 with stones of {deck["material"][0]["density"]} kg/m3; contacts of
 {deck["contact"][0]["k_n"] / 1e6:g} MN/m are those of the compression test in docs/laboratory.md.
 `inputs/shi/short.toml` is the same in the plane, except that its ground may expand across the track
-and its stones are prisms with contacts of 500 MN/m. {count}
+and its stones are prisms with contacts of 500 MN/m. Of {count}:
 
 {table(["", *(f"{where}, {TITLES[design]}" for where, design in COLUMNS)], rows)}
 The steepest change of the surface is changed by the wedge by {percent(falls["plane"])} in the
