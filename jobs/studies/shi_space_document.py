@@ -13,6 +13,7 @@ COLUMNS = [(where, design) for where in MODELS for design in DESIGNS]
 ROWS = (("surface of the structure, mm", "ground, structure"),
         ("surface, median from 4 to 5 m, mm", "ground, far"),
         ("steepest change of the surface along the track, mm/m", "ground, steepest"),
+        ("x of this steepest change, m", "ground, x of the steepest"),
         ("difference of the mean stresses before and behind the edge, kPa",
          "difference of means at the edge"),
         ("sleepers on the structure, mean, mm", "sleeper, structure"),
@@ -43,6 +44,8 @@ def part(n):
              / np.mean(values(n, where, "none", "ground, steepest")) - 1 for where in MODELS}
     longest = {where: max(value for design in DESIGNS for value in values(
         n, where, design, "sub-step over the longest stable one, most")) for where in MODELS}
+    reach = next(max(block["outline"][::2]) for block in deck["ground"]["block"]
+                 if block["name"] == "wedge")
     width = deck["bed"]["y"][1]
     sieves = deck["bed"]["sieve"]
     return heading("In space") + f"""
@@ -58,8 +61,9 @@ with stones of {deck["material"][0]["density"]} kg/m3; contacts of
 and its stones are prisms with contacts of 500 MN/m. Of {count}:
 
 {table(["", *(f"{where}, {TITLES[design]}" for where, design in COLUMNS)], rows)}
-The steepest change of the surface is changed by the wedge by {percent(falls["plane"])} in the
-plane and by {percent(falls["space"])} in space. The bed itself, sleepers beyond the edge less the
+The wedge changes the steepest change of the surface by {percent(falls["plane"])} in the plane and
+by {percent(falls["space"])} in space.
+The wedge ends at x = {reach:g} m. The bed itself, sleepers beyond the edge less the
 surface, is compressed by {far["plane"][0]:.2g} mm without and {far["plane"][1]:.2g} mm with wedge
 in the plane, by {far["space"][0]:.2g} and {far["space"][1]:.2g} mm in space. Sub-steps are at most
 {longest["plane"]:.2f} (plane) and {longest["space"]:.2f} (space) times as long as stable ones.
