@@ -3,7 +3,7 @@ figures: shi_figures.py."""
 import numpy as np
 
 from . import shi_figures, shi_space_document
-from .shi_decks import DECK, DESIGNS, EDGE, TITLES
+from .shi_decks import DECK, DESIGNS, EDGE, SPACING, TITLES
 from .shi_runs import (BOUNDARIES, FIXED, FULL_FRICTION, KEPT, ON_SPRINGS, OPEN, PACKINGS,
                        SAMPLED, SOIL_ON_SPRINGS)
 from .shi_sections import SECTIONS, part_missing, unstable
@@ -74,12 +74,13 @@ def surface_in_short(n):
     none, wedge = map(np.mean, slopes(n).values())
     x, last = at_last_node(n, "none")
     longer = n("ground_wedge_ground_8_m_longer", "ground, steepest")
-    return f"""As published: the surface of the structure up to x = {UP_TO:g} m, the short rise
-  behind it without wedge, and soil that moves away from the structure. At the last node of the
-  structure, x = {x:.2f} m, the surface deviates by {percent(np.mean(last) / 0.02 - 1)} without
-  wedge. A gradual rise with wedge is as published, too, but follows from its assumed outline. With
-  wedge the displacement 6 to 11 m behind
-  the edge changes by {percent(middle)}. The steepest change of the surface up to x = {NEAR_END} m
+    return f"""As published: the surface of the structure up to x = {UP_TO:g} m (but at its last
+node,
+  x = {x:.2f} m, it deviates by {percent(np.mean(last) / 0.02 - 1)} without wedge), the short rise
+  behind it without wedge, and soil that moves away from the structure. A gradual rise with wedge is
+  as published, too, but follows from its assumed outline. Not stated by the study: with wedge the
+  displacement 6 to 11 m behind the edge changes by {percent(middle)}. The steepest change of the
+  surface up to x = {NEAR_END} m
   falls from {none:.3g} mm/m (at x = {of("none", "ground, x of the steepest")} m) to {wedge:.3g}, by
   {percent(wedge / none - 1)}. Behind it the end of the ground adds to the change:
   {of("wedge", "ground, steepest")} mm/m at x = {of("wedge", "ground, x of the steepest")} m with
@@ -91,19 +92,20 @@ def embankment_in_short(n):
     here, longer = (n(f"ground_wedge_{as_file(name)}", "ground, far")
                     for name in (FIXED, "ground 8 m longer"))
     return f"""Not as published: the embankment goes down by
-  {mean(n, "none", "ground, 6 to 11 m"):.3g} mm (at 6 to 11 m) instead of 1.8. With 1 m thickness
-  the embankment moves {n(thin, "ground, 6 to 11 m"):.2f} mm (ground alone). The published 1.8 mm
-  is reached only in the last 2 m ({n(thin, "ground, far"):.2f} mm), where the end of the model adds
-  to it, or with a foundation that the study does not state: springs below the soil, but not below
-  the structure ({n(soil, "ground, 6 to 11 m"):.2f} mm). With wedge the published 1.64
-  mm is compared with the last 2 m; with 8 m more ground they move by {longer:.3g} mm instead of
-  {here:.3g} (ground alone)."""
+  {mean(n, "none", "ground, 6 to 11 m"):.3g} mm (at 6 to 11 m) instead of 1.8. A ground alone that
+  is
+  1 m thick and has viscous sides moves {n(thin, "ground, 6 to 11 m"):.2f} mm there; it has
+  {n(thin, "ground, most"):.2f} mm only near the end of the model, which adds to it. On springs
+  below
+  the soil alone, which the study does not state, it moves {n(soil, "ground, 6 to 11 m"):.2f} mm.
+  With wedge the published 1.64 mm is compared with the last 2 m; with 8 m more ground they move by
+  {longer:.3g} mm instead of {here:.3g} (ground alone)."""
 
 
 def stresses_in_short(n):
     nodes, means = at_edge(n, "nodes", jump), at_edge(n, "means", jump_of_means)
     return f"""Not as published: stresses at the edge. Largest stress of a node before the edge
-  minus the least behind it: {nodes[0]:.0f} kPa; around other sleepers
+  minus the least behind it: {nodes[0]:.0f} kPa (published 165 - 27 = 138); around other sleepers
   {nodes[1]:.0f} +- {nodes[2]:.0f}. {changed_by_wedge(n)} Averaged over a sleeper spacing the stress
   {"jumps" if means[3] else "does not jump"} at the edge ({means[0]:.0f} kPa, around other sleepers
   {means[1]:.0f} +- {means[2]:.0f})."""
@@ -168,6 +170,8 @@ Comparisons of grounds, speeds and boundaries have the ground alone (`inputs/shi
 56 elements): the same loads on springs of 95 MN/m instead of ballast, spread evenly below each
 sleeper.
 """ if full(n) else ""
+    space = (f' (ours, see "In space", has {n("space_wedge_1", "bulk density"):.0f})'
+             if n.has("space_wedge_1") else "")
     mesh = DECK["ground"]["x"][1] / DECK["ground"]["elements_x"]
     last = mesh * np.floor(EDGE / mesh)
     density, bulk = DECK["material"][0]["density"], mean(n, "wedge", "bulk density")
@@ -180,10 +184,11 @@ disks and a thickness of 1.3 m (Table 1), a compaction by 200 kPa, seat loads th
 to sleeper at 67.2 km/h, axles and bogies 2.8 and 9.0 m apart. The edge lies between two nodes of
 the ground, which are {1e3 * mesh:.0f} mm apart: x = {last:.3f} and {last + mesh:.3f} m.
 
+Of the wedge the study gives a height of 5 m, a length of 3 m at the bottom and a slope of 1:2.
 Assumed, as the study shows it only in drawings, which are not available here, or not at all:
 
-- the outline of the wedge: 5 m high, 3 m long at the bottom, one vertical to two horizontal, so 13
-  m at the top. All results with wedge depend on it, see "Other wedges";
+- the slope as one vertical to two horizontal, so that the wedge is 13 m long at the top. All
+  results with wedge depend on it, see "Other wedges";
 - the course of the seat loads: that of a beam on a Winkler foundation with the published ratio of
   seat to wheel load, 71.1 kN from each axle. The rail lifts beside each axle. This reduces the peak
   from 71.1 kN (one axle) to {1e-3 * load_of_seats():.1f} kN (four axles);
@@ -205,7 +210,7 @@ Assumed, as the study shows it only in drawings, which are not available here, o
 
 The study's bulk density of about 1800 kg/m3 with stones of 2600 means 69 % of solids, our plane bed
 has {100 * bulk / density:.0f} %: either its packing is looser, or its density is that of a bed in
-space. Here the density of the stones is reduced to {density} kg/m3, which gives
+space{space}. Here the density of the stones is reduced to {density} kg/m3, which gives
 {bulk:.0f}: the same mass, not the same porosity.
 {alone}"""
 
@@ -312,17 +317,26 @@ mm without wedge:
 
 def ground_on_springs(n):
     """What gives the published values, in short."""
+    def of(design, name, *quantities):
+        return [n(f"ground_{design}_{as_file(name)}", quantity) for quantity in quantities]
     both = ("ground, structure", "ground, 6 to 11 m")
-    everywhere, soil = ([n(f"ground_none_{as_file(name)}", quantity) for quantity in both]
-                        for name in (ON_SPRINGS, SOIL_ON_SPRINGS))
-    ends = [n(f"ground_{design}_{as_file(SOIL_ON_SPRINGS)}", "ground, far") for design in DESIGNS]
-    middle = n(f"ground_wedge_{as_file(SOIL_ON_SPRINGS)}", "ground, 6 to 11 m")
-    return f"""Published are 0.02 mm on the structure and 1.8 mm behind it. With 1 m and springs of
-1e8 Pa/m below everything it is {everywhere[0]:.2g} and {everywhere[1]:.3g} mm: the structure
-settles, too. With such springs below the soil alone it is {soil[0]:.2g} and {soil[1]:.3g} mm. A
-ground that gives below the soil while the structure is held therefore has the published difference
-without wedge; the study does not state such a foundation. With wedge it has {middle:.3g} mm at 6 to
-11 m and {ends[1]:.3g} mm in the last 2 m (published 1.64)."""
+    everywhere, soil = (of("none", name, *both) for name in (ON_SPRINGS, SOIL_ON_SPRINGS))
+    most = {name: [of(design, name, "ground, most")[0] for design in DESIGNS]
+            for name in (THIN, SOIL_ON_SPRINGS)}
+    end, = of("none", SOIL_ON_SPRINGS, "ground, far")
+    middle, wedge_end = of("wedge", SOIL_ON_SPRINGS, "ground, 6 to 11 m", "ground, far")
+    return f"""Published are 0.02 mm on the structure and, within 4 m behind it, an increase to 1.8
+mm. With 1 m, viscous sides and springs of 1e8 Pa/m (a value chosen here) below everything, the
+ground has {everywhere[0]:.2g} and {everywhere[1]:.3g} mm: the structure settles, too. With a soft
+layer on a fixed base that acts like these springs below soil and wedge, but not below the
+structure, it has {soil[0]:.2g} and {soil[1]:.3g} mm, but {end:.3g} mm in the last 2 m; with wedge
+{middle:.3g} mm at 6 to 11 m and {wedge_end:.3g} mm in the last 2 m (published 1.64). If the
+published values are the largest along the track, this foundation gives too much
+({most[SOIL_ON_SPRINGS][0]:.3g} and {most[SOIL_ON_SPRINGS][1]:.3g} mm), whereas 1 m and viscous
+sides
+give {most[THIN][0]:.3g} and {most[THIN][1]:.3g} mm, though near the end of the ground and not
+within
+4 m. The study does not show which holds."""
 
 
 def edge_of_structure(n):
@@ -360,13 +374,19 @@ def part_stresses(n):
             "difference of means", "the same beyond the edge"]
     sentences = [verdict_at_edge(n, what, of, design) for design in DESIGNS
                  for what, of in (("nodes", jump), ("means", jump_of_means))]
-    mesh = np.diff(list(line(n, "stress", cases(n, "none")[0]))[0]).mean()
+    x, stresses = lines_of(n, "stress", "none")
+    mesh = np.diff(x).mean()
+    with_edge = stresses[:, (x > EDGE - SPACING) & (x < EDGE + mesh / 2)].max(axis=1).mean()
     return heading("Stress at the edge") + f"""
 ![Largest vertical stress of the surface along the track](stress.png)
 
 Nodes of the surface are {1e3 * mesh:.0f} mm apart, about as far as a stone is long, and their
 stresses differ from packing to packing. The published 165 and 27 kPa are read as the largest stress
-of a node in the sleeper spacing before the edge and the least one in the spacing behind it. "Means"
+of a node in the sleeper spacing before the edge and the least one in the spacing behind it. The
+node nearest to the edge carries both parts and belongs to neither side; with it the largest stress
+before the edge would be {with_edge:.0f} instead of
+{mean(n, "none", "stress, most before the edge"):.0f}
+kPa (mean, without wedge). "Means"
 are those over the nodes of a spacing. "Beyond the edge" is the same measure at the same position
 relative to the sleepers behind the edge: mean +- standard deviation along the track.
 

@@ -86,7 +86,7 @@ def draw_stress(n, lines, folder):
         panel.legend(fontsize=8, loc="upper right")
     if full(n):
         panels[0].plot([EDGE - 0.1, EDGE + 0.1], [165, 27], "o", color="k", ms=7,
-                       mfc=COLOURS[3], zorder=5, label="published, x not stated")
+                       mfc=COLOURS[3], zorder=5, label="published: largest, near x = 2 m, and next")
         panels[0].legend(fontsize=8, loc="upper right")
     panels[-1].set_xlabel("x, m (grey: structure)")
     save(figure, folder / "stress.png")

@@ -194,12 +194,13 @@ def targets_with_full_friction(n, settled):
         rows.append((f"{what}, {TITLES[design]}, {unit}", published or "", f"{usual:.3g}",
                      f"{rough:.3g}", "" if published is None else "yes" if close else "no"))
     step = [jump(n, f"stones_{design}_{as_file(FULL_FRICTION)}") for design in DESIGNS]
-    found = " and ".join(f'"{each}"' for each in met) or "none of them"
+    found = " and ".join(f'"{each}"' for each in met) or "no values"
     return f"""The study gives a friction of {FRICTION:g}. Do loads with this friction, instead of
 {LOADING["friction"]:g}, explain targets that are not reproduced?
 
 {table(["packing 1", "published", "as above", "full friction", "within 15 %"], rows)}
-Full friction reproduces {found}. The wedge changes the difference of stresses of nodes at the edge
+With full friction {found} agree with the study. The wedge changes the difference of stresses of
+nodes at the edge
 by {percent(step[1] / step[0] - 1)} (published -54 %). This is one packing, whose last train of the
 preparation settled a sleeper by {settled:.2g} mm: its bed still changes, and other packings were
 not prepared like this.{unstable(n)}
@@ -301,8 +302,9 @@ With prescribed loads these forces contain the {preload:.0f} kN that lie on each
 passage ({n("stones_none_1", "seat force, most"):.1f} kN less {preload:.0f} are
 {n("stones_none_1", "seat force, most") - preload:.1f} kN). Without wedge sleepers on the structure
 carry {stiff:.2f} times the median of the last 2 m below the vehicle. The largest force on a seat is
-{rough[1]:.2f} times this median, so the unequal support by stones alone does not explain it. With
-prescribed loads it is {rough[0]:.2f} times: they cannot show either.
+{rough[1]:.2f} times this median. Unequal supports by stones thus cause differences as large as
+that, so that the effect of the structure cannot be distinguished from theirs on one packing. With
+prescribed loads the largest is {rough[0]:.2f} times the median: they hide both effects.
 """
 
 
@@ -395,7 +397,6 @@ def part_missing():
 - Measured curves, which the study shows beside its own, and its deviations from them: they are
   figures.
 - The deviations of 2.9 and 31 % that the study states between computed and measured accelerations.
-- The gradual increase of the ballast's acceleration from the structure to the embankment: a figure.
 - A packing with stones of {PUBLISHED_STONES} kg/m3 as loose as the study's; sleepers of disks.
 - Other packings prepared with full friction.
 """

@@ -60,8 +60,11 @@ def measure(name, place, numbers, lines):
     numbers.put(name, "difference of means at the edge", before - behind, "kPa")
     sleeper = -1e3 * run.sleeper_envelope["displacement_min"].values
     numbers.put(name, "sleeper, structure", sleeper[x < EDGE].mean(), "mm")
-    numbers.put(name, "sleeper, median beyond", np.median(sleeper[x > EDGE + 1]), "mm")
-    numbers.put(name, "sleeper, most", sleeper.max(), "mm")
+    beyond = (x > EDGE + 1) & (x < END)
+    numbers.put(name, "sleeper, median beyond", np.median(sleeper[beyond]), "mm")
+    numbers.put(name, "sleeper, most", sleeper[x < END].max(), "mm")
+    bed = sleeper - np.interp(x, nodes, down)
+    numbers.put(name, "bed, median beyond", np.median(bed[beyond]), "mm")
     kept = np.abs(1e3 * measures.residual_displacement(run))
     numbers.put(name, "kept, most", kept.max(), "mm")
     numbers.put(name, "kept, median", np.median(kept), "mm")
@@ -70,12 +73,12 @@ def measure(name, place, numbers, lines):
     for what, of in (("least", np.min), ("median", np.median), ("most", np.max)):
         numbers.put(name, f"acceleration, {what}", of(shaken), "g")
     stages = summary(place, "stages")
-    numbers.put(name, "sub-step over the longest stable one, most", max(
-        stage["window_s"] / stage["substeps"] / stage["stable_step_s"] for stage in stages), "-")
     for stage in stages:
         if stage["name"] == "compact":
             numbers.put(name, "bulk density", stage["bulk_density_kg_m3"], "kg/m3")
         if stage["name"] == "passage":
+            numbers.put(name, "sub-step over the longest stable one",
+                        stage["window_s"] / stage["substeps"] / stage["stable_step_s"], "-")
             numbers.put(name, "stones", stage["particles"], "-")
             numbers.put(name, "wall time of the passage", stage["wall_time_s"], "s")
     lines.put("space", f"{name}, ground", nodes, down)

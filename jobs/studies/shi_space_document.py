@@ -5,9 +5,10 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from .shi_decks import DESIGNS, EDGE, SPACE, TITLES, deck_of  # noqa: E402
+from .shi_decks import DESIGNS, EDGE, SHORT, SPACE, TITLES, deck_of  # noqa: E402
+from .shi_runs import FIXED  # noqa: E402
 from .shi_space import END, MODELS, PACKINGS, name_of  # noqa: E402
-from .study import COLOURS, heading, of_packings, percent, save, span, table  # noqa: E402
+from .study import COLOURS, as_file, heading, of_packings, percent, save, span, table  # noqa: E402
 
 COLUMNS = [(where, design) for where in MODELS for design in DESIGNS]
 ROWS = (("surface of the structure, mm", "ground, structure"),
@@ -17,8 +18,9 @@ ROWS = (("surface of the structure, mm", "ground, structure"),
         ("difference of the mean stresses before and behind the edge, kPa",
          "difference of means at the edge"),
         ("sleepers on the structure, mean, mm", "sleeper, structure"),
-        ("sleepers more than 1 m beyond the edge, median, mm", "sleeper, median beyond"),
-        ("sleeper that moves most, mm", "sleeper, most"),
+        ("sleepers from 3 to 5 m, median, mm", "sleeper, median beyond"),
+        ("compression of the bed: these less the surface below, median, mm", "bed, median beyond"),
+        ("sleeper that moves most up to 5 m, mm", "sleeper, most"),
         ("residual settlement: median, mm", "kept, median"),
         ("residual settlement: largest, mm", "kept, most"),
         ("smallest of the sleepers' largest accelerations, g", "acceleration, least"),
@@ -37,13 +39,17 @@ def part(n):
             for title, quantity in ROWS]
     stones, density = (values(n, "space", "wedge", of)[0] for of in ("stones", "bulk density"))
     count = of_packings(len(values(n, "space", "none", "stones")))
-    far = {where: [np.mean(values(n, where, design, "sleeper, median beyond"))
-                   - np.mean(values(n, where, design, "ground, far")) for design in DESIGNS]
-           for where in MODELS}
     falls = {where: np.mean(values(n, where, "wedge", "ground, steepest"))
              / np.mean(values(n, where, "none", "ground, steepest")) - 1 for where in MODELS}
-    longest = {where: max(value for design in DESIGNS for value in values(
-        n, where, design, "sub-step over the longest stable one, most")) for where in MODELS}
+    longest = max(n(name_of("space", design, packing), "sub-step over the longest stable one")
+                  for design in DESIGNS for packing in PACKINGS
+                  if n.has(name_of("space", design, packing)))
+    plane = deck_of(SHORT)
+    far = {where: np.mean(values(n, where, "none", "ground, far")) for where in MODELS}
+    moved = {where: np.mean(values(n, where, "wedge", "ground, far")) / far[where] - 1
+             for where in MODELS}
+    strain = n("ground_none_plane_strain", "ground, 6 to 11 m") / n(
+        f"ground_none_{as_file(FIXED)}", "ground, 6 to 11 m")
     reach = next(max(block["outline"][::2]) for block in deck["ground"]["block"]
                  if block["name"] == "wedge")
     width = deck["bed"]["y"][1]
@@ -51,22 +57,27 @@ def part(n):
     return heading("In space") + f"""
 ![Largest displacement of the surface and of sleepers, in the plane and in space](space.png)
 
-The study, too, is plane. `{"inputs/" + SPACE}` is a part of the transition in space: 6 m long and
+The study, too, is plane. `{"inputs/" + SPACE}` is a shortened transition in space: 6 m long and
 {width:g} m wide between smooth walls, {stones:.0f} angular stones of {sieves[0]:g} to
-{sieves[-1]:g} mm below nine sleepers, a structure of 2 m, a wedge of 2.2 m, one bogie. Loads and
-sleepers are those of {width:g} m of the 1.3 m of half a sleeper. The bed has {density:.0f} kg/m3
-with stones of {deck["material"][0]["density"]} kg/m3; contacts of
-{deck["contact"][0]["k_n"] / 1e6:g} MN/m are those of the compression test in docs/laboratory.md.
-`inputs/shi/short.toml` is the same in the plane, except that its ground may expand across the track
-and its stones are prisms with contacts of 500 MN/m. Of {count}:
+{sieves[-1]:g} mm below nine sleepers, 3 m of ground, a structure of 2 m, a steeper wedge that ends
+at x = {reach:g} m, one bogie. Loads are those that act on {width:g} m of a half sleeper of
+{plane["thickness"]:g} m, which the model contains. The bed has {density:.0f} kg/m3 with stones of
+{deck["material"][0]["density"]} kg/m3; contacts of {deck["contact"][0]["k_n"] / 1e6:g} MN/m are
+those of the compression test in docs/laboratory.md. `inputs/shi/short.toml` has the same lengths,
+ground and loads in the plane, but other stones (from {plane["bed"]["sieve"][0]:g} mm), contacts of
+{plane["contact"][0]["k_n"] / 1e6:g} MN/m that are as stiff along as across, a bed poured without
+friction and bedded in by trains, and a ground that may expand across the track. So differences are
+those of all of this together. Of {count}:
 
 {table(["", *(f"{where}, {TITLES[design]}" for where, design in COLUMNS)], rows)}
-The wedge changes the steepest change of the surface by {percent(falls["plane"])} in the plane and
-by {percent(falls["space"])} in space.
-The wedge ends at x = {reach:g} m. The bed itself, sleepers beyond the edge less the
-surface, is compressed by {far["plane"][0]:.2g} mm without and {far["plane"][1]:.2g} mm with wedge
-in the plane, by {far["space"][0]:.2g} and {far["space"][1]:.2g} mm in space. Sub-steps are at most
-{longest["plane"]:.2f} (plane) and {longest["space"]:.2f} (space) times as long as stable ones.
+The wedge changes the displacement of the surface at 4 to 5 m by {percent(moved["plane"])} in the
+plane and by {percent(moved["space"])} in space. The displacement of the surface
+behind the edge without wedge is {far["space"] / far["plane"]:.2f} times that in the plane; plane
+strain instead of plane stress alone changes that of the ground by a factor of {strain:.2f}. The
+wedge changes the steepest change of the surface, smoothed over a sleeper spacing, by
+{percent(falls["plane"])} in the plane and by {percent(falls["space"])} in space. What one packing
+shows may be chance. Sub-steps in space are {longest:.2f} times as
+long as stable ones in the passage, so that accelerations of single stones there are not reliable.
 """
 
 
