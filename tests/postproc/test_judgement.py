@@ -99,8 +99,8 @@ def test_the_verdict_on_the_rail_uses_the_same_test():
     for one in (first, second):
         one.passing.rail[1, 20] -= 0.54e-3  # 0.9 mm/m to its neighbours
     text = test_transition.stated(first, second)
-    assert "its steepest part is 80% less steep: no clear effect. " in text
-    assert "extends over 2.7 m instead of 0.5 m: as expected of a wedge; " in text
+    assert "the steepest part of the change is 80% less steep: no clear effect. " in text
+    assert "2.7 m behind the structure instead of 0.5 m: as expected of a wedge; " in text
     assert ("This difference, 0.80 mm/m, does not exceed the steepest change on plain track, 0.90 "
             "mm/m, where only the stones vary. The change of the sleepers'") in text
     assert "the structure: no clear effect (within 10%)" in text
@@ -134,7 +134,8 @@ def test_a_bed_that_is_warned_of_has_no_verdict_on_the_rail():
     why = "1 of 15 sleepers hang (run with wedge)"
     text = verdicts.verdict(pair, transition.changes_of(pair), why)
     assert text.startswith(f"No verdict, since {why}: such a bed can change")
-    assert "extends over 2.7 m instead of 0.5 m, and its steepest part is 80% less steep. " in text
+    assert ("2.7 m behind the structure instead of 0.5 m, and the steepest part of the change is "
+            "80% less steep. ") in text
     assert "instead of 1.0 mm/m, 0.3 m behind the structure. The largest" in text
     assert "expected" not in text and "clear" not in text and "ripple" not in text
 
