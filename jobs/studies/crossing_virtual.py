@@ -100,8 +100,9 @@ method that uses forces can find it: even with exact forces and place the error 
 its minimum is where the wheel lands, beside the true one. Where the wheel touches, the error with
 exact forces is {between(errors("force", lost, ", touching"))} %. """
     if astray:
-        text += f"""In {len(astray)} rows the chain finds a place that is wrong by more than 2 cm,
-or refuses the passage. With the exact place the error is {between(errors("place", astray))} %. The
+        text += f"""In {len(astray)} of {len(found)} rows the chain finds a place that is wrong by
+more than 2 cm, or refuses the passage. With the exact place the error is
+{between(errors("place", astray))} %. The
 likelihood of the acceleration decides the place: it assumes forces that are white noise near the
 dip, and the real ones, with several kinks and a loss of contact, make another place more likely.
 The displacement alone gives {between([n(run, "place, displacement") for run in astray], "+.1f")} cm
