@@ -41,7 +41,8 @@ def summary(n):
     bed = max(n(bed_run(name), "error of the stiffness, worst") for name in BEDS
               if n.has(bed_run(name)))
     return f"""
-- With 0.1 % noise, the largest wheel force errs by at most {worst:.1f} %, the irregularity by
+- Over dips of a track on springs, with 0.1 % noise, the largest wheel force errs by at most
+  {worst:.1f} %, the irregularity by
   {surface:.1f} % of its depth, the stiffness of the ballast at the sensor by {bed:.1f} %.
 - Forces are identified from the acceleration. From the displacement, as in the thesis, the largest
   force is {chain.too_small(n)} % too small, since the displacement hardly contains the impact.
@@ -96,8 +97,9 @@ def summary_of_stones(n):
                  for run, case in zip(runs, cases)]
     voids = [n(run, "reduction of the sum of squares") > virtual.SEEN
              for run in runs if "void" in run]
-    return f"""- On stones, the displacement errs by at most {moved:.1f} %, the largest force by
-  {force:.0f} %{part}, the stiffness by {', '.join(stiffness)}. Voids that are recognised:
+    return f"""- On stones, with 0.1 % noise, the displacement errs by at most {moved:.1f} %, the
+  largest force by {force:.0f} %{part}, the stiffness by {', '.join(stiffness)}. Voids that
+  are recognised:
   {sum(voids)} of {len(voids)}.
 """
 

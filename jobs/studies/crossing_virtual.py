@@ -92,20 +92,23 @@ def causes(n, found):
     text = (f"With the exact place, noise changes the error by at most {change:.0f} points, from "
             f"{between(errors('silent', runs))} to {between(errors('place', runs))} %. ")
     if lost:
-        free = between([n(run, "way without contact") for run in lost])
-        text += f"""In {len(lost)} of {len(runs)} rows the surface falls faster than the wheel,
-which leaves the rail for {free} cm. There no force depends on the running surface, so that no
-method that uses forces can find it: even with exact forces and place the error is
-{between(errors("force", lost))} %. The identified surface is the path of the wheel in the air, and
-its minimum is where the wheel lands, beside the true one. Where the wheel touches, the error with
-exact forces is {between(errors("force", lost, ", touching"))} %. """
+        def free(of):
+            return between([n(run, "way without contact") for run in of])
+        other = [run for run in runs if run not in lost]
+        beside = f" (in the others for {free(other)} cm)" if other else ""
+        text += f"""In {len(lost)} of {len(runs)} rows the error with exact forces and place is
+still {between(errors("force", lost))} %. In these rows the surface falls faster than the wheel,
+which leaves the rail for {free(lost)} cm{beside}. There no force depends on the running surface, so
+that no method that uses forces can find it: the identified surface is the path of the wheel in the
+air, and its minimum is where the wheel lands, beside the true one. Where the wheel touches, the
+error with exact forces is {between(errors("force", lost, ", touching"))} %. """
     if astray:
-        text += f"""In {len(astray)} of {len(found)} rows the chain finds a place that is wrong by
-more than 2 cm, or refuses the passage. With the exact place the error is
-{between(errors("place", astray))} %. The
-likelihood of the acceleration decides the place: it assumes forces that are white noise near the
-dip, and the real ones, with several kinks and a loss of contact, make another place more likely.
-The displacement alone gives {between([n(run, "place, displacement") for run in astray], "+.1f")} cm
+        text += f"""With the one seed of this table the chain finds a place that is wrong by more
+than 2 cm, or refuses the passage, in {len(astray)} of {len(found)} rows. With the exact place the
+error is {between(errors("place", astray))} %. The likelihood of the acceleration decides the place;
+it assumes forces that are white noise near the dip, whereas the real ones have several kinks and a
+loss of contact. That this is the cause was not tested. The displacement alone gives
+{between([n(run, "place, displacement") for run in astray], "+.1f")} cm
 there and an error of {between(errors("displacement", astray))} %. """
     return text + "\n"
 
@@ -149,7 +152,11 @@ The accelerometer is on a sleeper of a plane bed of stones on a ground (`inputs/
 after ten trains. The rail has a dip of
 {1e3 * deck_of(stones.DECK)["irregularity"]["depth"]:g} mm above it. The chain assumes a track on
 springs (`inputs/track/sensor_alone.toml`) and knows the noise of the sensor. {damping()} In the
-void cases the sleeper hangs 0.3, 0.6 and 1 mm above the stones. In the fouled case only the
+void cases the rail, laid straight, lies 0.3, 0.6 and 1 mm higher above this sleeper than the
+sleeper
+was placed; its pads lift the sleeper as far as the rail does not bend, so that gaps are smaller.
+In the
+fouled case only the
 friction in the recorded trains is halved. The soft subgrade has half the modulus. The table has
 {shown}, found / true; each train has one seed of noise, and errors are those of the worse train:
 
@@ -173,15 +180,18 @@ def damping():
 
 def settlements(n, cases):
     """Which settlements are found at all."""
-    pairs = [[n(stones.name_of(case), f"settlement, {part}, noise {100 * noise:g} %")
-              for part in ("found", "true")] for case in cases for noise in stones.NOISE]
+    each = [f", train {k + 1}" for k in range(len(stones.TRAINS))]
+    first = stones.name_of(cases[0]), f"settlement, found, noise {100 * stones.NOISE[0]:g} %"
+    pairs = [[n(stones.name_of(case), f"settlement, {part}, noise {100 * noise:g} %{train}")
+              for part in ("found", "true")] for case in cases for noise in stones.NOISE
+             for train in (each if has(n, first[0], first[1] + each[0]) else [""])]
     missed = [true for found, true in pairs if found == 0]
     others = [f"{found:.3f} / {true:.3f}" for found, true in pairs if found > 0]
     text = ""
     if missed:
-        text = (f"No settlement is found in {len(missed)} of {len(pairs)} rows, although the true "
-                f"one is {between(missed, '.3f')} mm: so little cannot be distinguished from the "
-                f"drift of the sensor. ")
+        text = (f"No settlement is found in {len(missed)} of {len(pairs)} records, although the "
+                f"true one is {between(missed, '.3f')} mm: so little cannot be distinguished from "
+                "the drift of the sensor. ")
     if others:
         text += f"In the others it is {', '.join(others)} mm (found / true). "
     quantity = "deviation of the displacement"
@@ -211,15 +221,18 @@ def part_stiffness(n, cases):
     same = np.abs(values["secant of the fitted model"] / values["found"] - 1).max()
     moved = np.abs(values["from the true displacement"] / values["found"] - 1).max()
     less = np.abs(values["with the damping of the springs"] / values["found"] - 1).max()
-    definition = ": the definition is not the cause of the errors" if same < 0.02 else ""
     return f"""
 Experiments on the stiffness, MN/m, second train, 0.1 % noise:
 
 {table(["case", *STIFFNESSES], rows)}
 The secant of the fitted model by the definition of the true stiffness differs from its parameter by
-at most {100 * same:.0f} %{definition}. The true displacement in
-place of the reconstructed one changes the stiffness by at most {100 * moved:.0f} %, the damping of
-the springs in place of that chosen by hand by at most {100 * less:.0f} %.
+at most {100 * same:.0f} %, as it must for springs. The true displacement in place of the
+reconstructed one changes the stiffness by at most {100 * moved:.0f} %, the damping of the springs
+in
+place of that chosen by hand by at most {100 * less:.0f} %. So the cause of the errors with voids
+and
+fouled ballast is not found. Not tested: that the model changes the stiffness over several sleepers,
+whereas one hangs, and that the true secant contains the way before the sleeper touches the stones.
 """
 
 
