@@ -9,7 +9,8 @@ import math
 import numpy as np
 
 from .netirail_measure import (BACKFILL, BLOCKS, BRIDGE_ENDS, DECK, DEPTH, FAR, LAYERS, MIRROR,
-                               NEAR, PLANE, SLEEPER, measure_ground, measure_stones, moved)
+                               NEAR, PLANE, SEEDS, SLEEPER, measure_ground, measure_stones, moved,
+                               of_packing)
 from .study import Run, Target, as_file, change, summary
 
 SPACE = "track/netirail.toml"
@@ -212,6 +213,8 @@ CONVERGENCE = {
     "a rail of twice the elements": ("track.elements=8",),
 }
 STONES = "track/netirail_stones.toml"
+CELL = "quickstart_cell.toml"
+GLUED = 3  # packings
 SOFT_STONES = fill(stiffer=5)  # the ground of that deck
 SIX = tuple(word for word in BASE if "vehicles" not in word and "duration" not in word)
 
@@ -242,6 +245,22 @@ COMPARED = {
 UNLOADED = "2 x mass, 13 m wide, fill only, zero at the ground without sleepers"
 
 
+def stones(seed):
+    """The bed is laid and bedded in on a ground at rest, so both begin with the same stones. Runs
+    side by side use cores better than one run on all of them."""
+    cell, layers, fill_only, glued = (of_packing(name, seed) for name in (
+        "stones_cell", "stones_layers", "stones_embankment", "stones_glued"))
+    words = (f"bed.cell='{{folder}}/{cell}'",)
+    soft = (*words, *SOFT_STONES, *NO_WEDGE)
+    found = [Run(cell, CELL, () if seed == SEEDS[0] else (f"bed.seed={seed}",)),
+             Run(layers, STONES, words),
+             Run(fill_only, STONES, (*soft, f"start='{{folder}}/{layers}/stage_bed_in.h5'"))]
+    if seed in SEEDS[:GLUED]:
+        found.append(Run(glued, STONES, (*soft, "bond.glue.present=true",
+                                         f"start='{{folder}}/{fill_only}/stage_rest.h5'")))
+    return found
+
+
 def runs(form, ranks):
     full = form == "full"
 
@@ -258,12 +277,8 @@ def runs(form, ranks):
     found += [plane("back", *mirrored()), plane("no wedge", *NO_WEDGE)]
     if not full:
         return found
-    # The bed is laid and bedded in on a ground at rest, so both begin with the same stones.
-    found += [Run("stones_cell", "quickstart_cell.toml", (), ranks),
-              Run("stones_layers", STONES, ("bed.cell='{folder}/stones_cell'",), ranks),
-              Run("stones_embankment", STONES,
-                  ("bed.cell='{folder}/stones_cell'", *SOFT_STONES, *NO_WEDGE,
-                   "start='{folder}/stones_layers/stage_bed_in.h5'"), ranks)]
+    for seed in SEEDS:
+        found += stones(seed)
     found += [space("back", *mirrored()), space("back embankment", *mirrored(EMBANKMENT)),
               *(space(name, *words) for name, words in WEDGES.items()),
               Run("space_six", SPACE, SIX, ranks)]
@@ -290,7 +305,8 @@ def measure(form, folder, numbers, lines):
     alone = {f"plane_{as_file(f'same_width_fill_{m}')}": m for m in MASSES}
     for run in runs(form, 1):
         if run.deck == STONES:
-            measure_stones(run.name, folder, numbers, lines)
+            springs = "plane_same_width" + ("_1" if "layers" in run.name else "_fill_1")
+            measure_stones(run.name, springs, folder, numbers, lines)
         elif run.deck in (SPACE, PLANE):
             figures = {figure for figure, names in (("envelope", DRAWN), ("histogram", cases),
                                                     ("history", OVER_TIME)) if run.name in names}
@@ -362,6 +378,13 @@ def layer_targets(n):
             effect = change(n, run, other, f"rail, {NEAR}")
             found.append(Target(f"reinforced layers, {what}", "main", "about -20 %", 100 * effect,
                                 "%", -20, ABOUT, sign=effect < 0, see=LAYERS_SECTION))
+    each = tuple(100 * change(n, of_packing("stones_embankment", seed), of_packing(
+        "stones_layers", seed), f"rail, {NEAR}") for seed in SEEDS
+                 if n.has(of_packing("stones_embankment", seed)))
+    if each:
+        found.append(Target(f"reinforced layers, {alone} 14.7 m, plane 13 m wide, on stones",
+                            "main", "about -20 %", float(np.mean(each)), "%", -20, ABOUT,
+                            sign=max(each) < 0, each=each, see=LAYERS_SECTION))
     for what, run, other in (compared[0], compared[-1]):
         near, far = (change(n, run, other, f"rail, {point}") for point in (NEAR, FAR))
         smaller = abs(far) < abs(near)

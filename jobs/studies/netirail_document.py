@@ -358,7 +358,7 @@ Refinement, in space:
 
 def part_missing():
     return heading("Not done") + """
-Stones in more than one packing, and with other sleepers; yielding of the embankment; the report's
+Stones with other sleepers; yielding of the embankment; the report's
 three-dimensional model of one wheel; sleepers whose spacing changes along the track.
 """
 

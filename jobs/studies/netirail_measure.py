@@ -22,6 +22,9 @@ BESIDE = (-4.5, 36)  # m, distances from the bridge at which measures are judged
 BEHIND = (0, 36)  # m, of wheels: what the begin of the bridge does to their force has decayed
 LATE = (36, 45)  # m, where the rail's largest displacement is uneven
 ON_BRIDGE = (-3, 0)  # m
+SEEDS = (deck_of("quickstart_cell.toml")["bed"]["seed"], 1, 2, 3, 4)  # packings of the stones
+ZONES = {"bridge": (-6, 0), "0 to 7.2 m": (0, 7.2), "7.2 to 14 m": (7.2, 14),
+         "14 to 25 m": (14, 25)}  # of sleepers; the second is glued in one variant
 BINS = np.arange(-1, 0.1501, 0.05)  # mm, of histograms, upwards positive
 THINNED = 5  # rows of the histories per point of a curve over time
 
@@ -117,8 +120,14 @@ def power_below(values, time, frequency):
     return power[np.fft.rfftfreq(len(values), time[1] - time[0]) <= frequency].sum() / power.sum()
 
 
-def measure_stones(name, folder, numbers, lines):
-    """Of the last train, relative to the levels before it."""
+def of_packing(name, seed):
+    """Name of a run on stones."""
+    return name if seed == SEEDS[0] else f"{name}_{seed}"
+
+
+def measure_stones(name, springs, folder, numbers, lines):
+    """Of the last train, relative to the levels before it. `springs`: run with the same ground and
+    springs instead of stones."""
     train = transition.train_of(folder / name)
     distance = train.run.sleepers_x - BACKFILL
     here = np.abs(distance - 14.7).argmin()
@@ -134,12 +143,15 @@ def measure_stones(name, folder, numbers, lines):
     put_on_bridge(name, "rail", distance, rail, numbers)
     put_on_bridge(name, "sleeper", distance, sleeper, numbers)
     lines.put("sleepers on stones", name, distance, sleeper)
-    measure_springs(name, folder, ends, numbers, lines)
+    kept = 1e3 * train.settlement()
+    for zone, (low, high) in ZONES.items():
+        part = (distance > low) & (distance < high)
+        numbers.put(name, f"sleeper, mean, {zone}", sleeper[part].mean(), "mm")
+        numbers.put(name, f"settlement in the train, mean, {zone}", kept[part].mean(), "mm")
+    measure_springs(name, springs, folder, ends, numbers, lines)
 
 
-def measure_springs(name, folder, window, numbers, lines):
-    """The same ground with springs instead of stones."""
-    springs = "plane_same_width_1" if name == "stones_layers" else "plane_same_width_fill_1"
+def measure_springs(name, springs, folder, window, numbers, lines):
     with h5py.File(folder / springs / "results.h5") as file:
         (x, rail), (sleepers_x, sleeper) = (
             (file[f"envelope/{of}/x"][()] - BRIDGE_ENDS,
