@@ -152,11 +152,9 @@ The accelerometer is on a sleeper of a plane bed of stones on a ground (`inputs/
 after ten trains. The rail has a dip of
 {1e3 * deck_of(stones.DECK)["irregularity"]["depth"]:g} mm above it. The chain assumes a track on
 springs (`inputs/track/sensor_alone.toml`) and knows the noise of the sensor. {damping()} In the
-void cases the rail, laid straight, lies 0.3, 0.6 and 1 mm higher above this sleeper than the
-sleeper
-was placed; its pads lift the sleeper as far as the rail does not bend, so that gaps are smaller.
-In the
-fouled case only the
+void cases the straight rail is laid 0.3, 0.6 and 1 mm above the place of this sleeper; its pads
+lift
+the sleeper as far as the rail does not bend, so that gaps are smaller. In the fouled case only the
 friction in the recorded trains is halved. The soft subgrade has half the modulus. The table has
 {shown}, found / true; each train has one seed of noise, and errors are those of the worse train:
 

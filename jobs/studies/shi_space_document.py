@@ -60,8 +60,9 @@ def part(n):
 The study, too, is plane. `{"inputs/" + SPACE}` is a shortened transition in space: 6 m long and
 {width:g} m wide between smooth walls, {stones:.0f} angular stones of {sieves[0]:g} to
 {sieves[-1]:g} mm below nine sleepers, 3 m of ground, a structure of 2 m, a steeper wedge that ends
-at x = {reach:g} m, one bogie. Loads are those that act on {width:g} m of a half sleeper of
-{plane["thickness"]:g} m, which the model contains. The bed has {density:.0f} kg/m3 with stones of
+at x = {reach:g} m, one bogie. The model has {width:g} m of the
+{plane["thickness"]:g} m of a half sleeper, and this part of its load. The bed has {density:.0f}
+kg/m3 with stones of
 {deck["material"][0]["density"]} kg/m3; contacts of {deck["contact"][0]["k_n"] / 1e6:g} MN/m are
 those of the compression test in docs/laboratory.md. `inputs/shi/short.toml` has the same lengths,
 ground and loads in the plane, but other stones (from {plane["bed"]["sieve"][0]:g} mm), contacts of

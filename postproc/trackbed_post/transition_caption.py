@@ -80,8 +80,9 @@ def settlement(trains: list[Train]) -> str:
     """The largest one of sleepers that are not at the ends of the bed, unless all are small."""
     largest = [train.settlement_judged().max() for train in trains]
     if max(largest) <= bed_warnings.SETTLES:
-        none = "In neither run a sleeper" if len(trains) > 1 else "No sleeper"
-        return f"{none} settles by more than {1e3 * bed_warnings.SETTLES:g} mm in this passage."
+        run = " in either run" if len(trains) > 1 else ""
+        return (f"No sleeper settles by more than {1e3 * bed_warnings.SETTLES:g} mm in this "
+                f"passage{run}.")
     found = named(trains, (1e3 * value for value in largest), "mm")
     return f"Largest settlement of a sleeper in this passage: {found}."
 

@@ -29,11 +29,13 @@ Node converted_table(const toml::table& source, std::string_view document) {
   return node;
 }
 
-// Items may be of any kind; the reader checks them.
+// Items may be of any kind; the reader checks them. Words are kept in sections only: to find those
+// of each number of a list would take as long as the square of its length.
 Node converted_list(const toml::array& source, std::string_view document) {
   Node node;
   node.kind = Node::Kind::list;
-  for (const auto& item : source) node.items.push_back(converted(item, document));
+  for (const auto& item : source)
+    node.items.push_back(converted(item, item.is_table() ? document : std::string_view()));
   return node;
 }
 

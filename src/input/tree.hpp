@@ -10,8 +10,8 @@
 namespace trackbed::input {
 
 // One struct for all kinds: only the member of `kind` is meaningful; `text` also holds the words of
-// any single value that was read. A variant would be smaller, but a deck has only a few hundred
-// values.
+// a single value that was read, unless it is in a list. A variant would be smaller, but a deck has
+// only a few hundred values.
 struct Member;
 struct Node {
   enum class Kind { table, list, number, integer, flag, text, other };

@@ -26,7 +26,7 @@ def sentences(text):
 def test_panels_have_their_message_as_title_and_the_rest_is_below_them():
     effect, force, settlement = transition_caption.titles(*pair(), "")
     steepest, sleepers, plain, limits = sentences(transition_caption.of(*pair(), "", True))
-    assert settlement == "In neither run a sleeper settles by more than 0.1 mm in this passage."
+    assert settlement == "No sleeper settles by more than 0.1 mm in this passage in either run."
     assert effect == (
         "With the wedge the rail reaches 90% of its change from structure to plain track 2.7 m "
         "behind the structure instead of 0.5 m, and the steepest part of the change is 80% less "

@@ -39,7 +39,7 @@ PERTURBED = 0.05    # of unknowns, for derivatives
 VOIDS = 2e-4, 1e-3  # m, from which the fit begins
 MARGIN = 8          # residuals, by which their number may grow from the first run on
 MOST_TRIALS = 20    # of unknowns, from one begin
-# Open MPI starts no process of its own beside a run on one rank, which lasts a third of a second.
+# Open MPI then starts no process of its own beside one rank, a quarter of the time of such a run.
 ALONE = {"OMPI_MCA_ess_singleton_isolated": "1"}
 
 
