@@ -23,7 +23,7 @@ struct Results::Impl {
   Impl(const par::Comm& comm, std::string path, About about);
   ~Impl();  // removes the twin
   Impl(const Impl&) = delete;
-  void begin_file();
+  void begin_file(const std::function<void(io::File&)>& write_positions);
   void put_head(io::File& file);
   std::string twin_path() const { return path + ".part"; }
   void take_name(const std::string& part);  // `part` replaces the results. Collective.

@@ -173,7 +173,7 @@ void Results::resume(const std::string& old_path, std::int64_t rows,
   const bool there = impl.comm.root() && std::filesystem::exists(old_path, ignored);
   if (impl.comm.broadcast(there ? "there" : "").empty()) return;
   // Under another name until it is complete.
-  const std::string part = impl.path + ".part";
+  const std::string part = impl.twin_path();
   try {
     reading(old_path, [&] {
       const io::File old = open_results(impl.comm, old_path);

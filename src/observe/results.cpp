@@ -111,14 +111,13 @@ void Results::begin(const Scene& scene, const Recorded& recorded) {
   if (scene.ground) impl.set_ground_columns(scene.particles.domain().dimension);
   // The columns above are needed in any case; header and positions are already in a resumed file.
   if (impl.resumed) return;
-  impl.begin_file();
   std::vector<double> x;
   if (scene.ground)
     for (const std::int32_t n : recorded.nodes)
       x.push_back(scene.ground->top().position[static_cast<std::size_t>(n)].x());
   const std::span<const double> sleeper_x = recorded.sleeper_x;
   const bool root = impl.comm.root();
-  impl.replace([&](io::File& file) {
+  impl.begin_file([&](io::File& file) {
     if (!x.empty())
       file.write<double>("ground/x", std::span<const double>(x).first(root ? x.size() : 0), 1,
                          {"m", "top nodes at one face, along the track"});
@@ -180,11 +179,14 @@ void Results::Impl::put_head(io::File& file) {
         {"m, %", "per sieve: opening; specified passing by mass, lowest and highest allowed"});
 }
 
-// Replaces an existing file; prepare_folder has checked that it may. Collective.
-void Results::Impl::begin_file() {
-  io::File file(comm, path, io::Mode::create);
+// Replaces an existing file; prepare_folder has checked that it may. Under another name until it is
+// complete: a run that is killed at once leaves no file that cannot be opened. Collective.
+void Results::Impl::begin_file(const std::function<void(io::File&)>& write_positions) {
+  io::File file(comm, twin_path(), io::Mode::create);
   put_head(file);
+  write_positions(file);
   file.close();
+  take_name(twin_path());
 }
 
 void Results::Impl::take_name(const std::string& part) {

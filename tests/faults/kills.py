@@ -5,7 +5,8 @@
 
 Each trial starts a run with `--or-resume` on 1 to 4 ranks, kills one rank, mpirun or all of them
 with SIGKILL after a random time, or ends mpirun with SIGTERM as a queue does, and starts it again
-on another number of ranks, until it has been killed five times; then it may finish. Histories and
+on another number of ranks, until it has been killed five times; then it may finish. The first kill
+comes while the run creates its file of results, which takes a few milliseconds. Histories and
 state must be bitwise those of an undisturbed run. With implicit steps of the ground the bits depend
 on the number of ranks: these runs have two. Checkpoints are written all the time, so that many
 kills hit one that is being written. The exit code is 1 if there are findings, whose folders and
@@ -32,6 +33,7 @@ KILLED += [("implicit", "tests/restart/tiny.toml", ("ground.integrator=newmark",
 OFTEN = ("output.checkpoint_wall_interval=0.05",)
 KILLS_OF_A_RUN = 5
 LONGEST = 4.0  # s, from the start of a run to its kill, but not longer than an undisturbed run
+CREATION = 0.004  # s, which a file of results takes from its creation until it is complete
 PATIENCE = 300  # s
 QUEUE_WAITS = 30  # s, from SIGTERM to SIGKILL, as is usual
 
@@ -52,10 +54,10 @@ def ranks_of(process, program):
     return found
 
 
-def kill(process, program, chance):
+def kill(process, program, chance, targets=("rank", "mpirun", "all", "queue")):
     """What was killed."""
     ranks = ranks_of(process, program)
-    target = chance.choice(("rank", "mpirun", "all", "queue"))
+    target = chance.choice(targets)
     if target != "queue" and (not ranks or ranks == [process.pid]):
         target = "all"
     if target == "queue":
@@ -112,8 +114,21 @@ class Trial:
         shutil.rmtree(self.place, ignore_errors=True)
         self.messages.unlink(missing_ok=True)
 
+    def kill_at_creation(self):
+        """Kills all ranks when the first file of results appears, or a little later."""
+        process, end = self.start(), time.monotonic() + self.longest
+        names = ("results.h5", "results.h5.part")
+        while process.poll() is None and time.monotonic() < end:
+            if any(os.path.exists(self.place / name) for name in names):
+                time.sleep(self.chance.uniform(0, CREATION))
+                break
+        if process.poll() is None:
+            kill(process, self.program.path, self.chance, ("all",))
+            self.killed["all at creation"] += 1
+
     def finding(self):
         """What is wrong, or nothing."""
+        self.kill_at_creation()
         while sum(self.killed.values()) < KILLS_OF_A_RUN:
             process = self.start()
             try:

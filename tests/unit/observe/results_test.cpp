@@ -82,6 +82,24 @@ TEST(Results, HaveAllRowsAfterEachFlush) {
   EXPECT_TRUE(open_results(par::Comm::world(), run.path).has("chains/rest"));
 }
 
+// A run that is killed while it creates the file would otherwise leave one that cannot be opened,
+// and could not be started again without the user. Another name of the old file shows whether that
+// was overwritten.
+TEST(Results, BeginInAFileOfTheirOwn) {
+  const io::Scratch scratch("begin");
+  const std::string path = scratch / "results.h5", kept = scratch / "kept";
+  const par::Comm world = par::Comm::world();
+  if (world.root()) {
+    std::ofstream(path) << "old";
+    std::filesystem::create_hard_link(path, kept);
+  }
+  world.barrier();
+  const Model run(path);
+  EXPECT_FALSE(std::filesystem::exists(path + ".part"));
+  EXPECT_EQ(std::filesystem::file_size(kept), 3U);
+  EXPECT_EQ(open_results(world, path).text_attribute("/", "deck"), "title = \"rows\"");
+}
+
 // Whether the file system of a folder can do it; network file systems may not.
 bool can_exchange(const io::Scratch& scratch) {
   const par::Comm world = par::Comm::world();
