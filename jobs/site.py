@@ -3,8 +3,8 @@
 
     site.py FOLDER [PROGRAM]
 
-With PROGRAM (trackbed), the site has a drawing of the model of each deck that `check` accepts; a
-deck that needs results of another one, which are not there, has none.
+With PROGRAM (trackbed), the site has a drawing of the model of each deck. The states of other runs
+that a deck begins with need not exist: they are not drawn.
 Writes FOLDER/documents (what mkdocs reads) and FOLDER/site, whose index.html opens without a
 server; only the search needs one (`python3 -m http.server -d FOLDER/site`). Needs mkdocs (Debian:
 mkdocs, mkdocs-material). Ends with 1 and a list if a link leads nowhere.
@@ -35,7 +35,19 @@ CHAPTERS = {
 TITLES = {"input": "Parameters of decks"}
 CONFIG = {"site_name": "trackbed", "theme": {"name": "material", "font": False},
           "docs_dir": "documents", "site_dir": "site", "use_directory_urls": False,
-          "plugins": ["search"], "markdown_extensions": ["tables", "fenced_code", "toc"]}
+          "plugins": ["search"], "extra_css": ["site.css"], "markdown_extensions": ["tables", "fenced_code", "toc", "md_in_html"]}
+# The table of decks fits into a window of 1000 pixels: words are wrapped in all of its columns.
+STYLE = """
+.decks table:not([class]) { display: table; table-layout: fixed; width: 100%; }
+.decks .md-typeset__table { display: block; padding: 0; }
+.decks table:not([class]) :is(th, td) { min-width: 0; padding: .6em; overflow-wrap: anywhere; }
+.decks :is(th, td):nth-child(1) { width: 13rem; }
+.decks :is(th, td):nth-child(3) { width: 5rem; }
+.decks :is(th, td):nth-child(4) { width: 9rem; }
+.decks img { max-width: 100%; max-height: 6rem; }
+"""
+WITHOUT = ("bed.cell=", "start=")  # states of other runs, which are not drawn
+SENTENCE = re.compile(r"(?:(?<!min)\.|[;:])(?: |$)")  # "min" is an abbreviation
 LINK = re.compile(r"\[([^\]]*)\]\(([^)\s]+)\)")
 
 
@@ -119,36 +131,49 @@ def write_documents(documents):
 
 
 def drawing_of(deck, program, document):
-    """Name of the drawing written beside the document of a deck, or nothing."""
-    if not program:
-        return ""
-    file = document.with_suffix(".svg")
-    subprocess.run([program, "check", deck, "--draw", file], check=False, capture_output=True)
-    return file.name if file.is_file() else ""
+    """(name of the drawing written beside the document of a deck, why there is none)."""
+    file, problem = document.with_suffix(".svg"), ""
+    for changes in ((), WITHOUT):
+        ran = subprocess.run([program, "check", deck, *changes, "--draw", file], check=False,
+                             capture_output=True, text=True)
+        if file.is_file():
+            return file.name, ""
+        problem = problem or ran.stderr.strip().partition("\n")[0]
+    return "", f"not drawn: {problem}".replace(f"{ROOT}/", "").replace("|", "\\|")
+
+
+def row_of(name, head, own, drawing, problem):
+    """The row of a deck: name and drawing, purpose, ranks, run time without details."""
+    shown = f"[{name}]({own})"
+    if drawing:
+        beside = pathlib.PurePosixPath(own).with_name(drawing)
+        shown += f"<br>[![Model of {name}]({beside})]({own})"
+    elif problem:
+        shown += f"<br>{problem}"
+    purpose, ranks, time = (head.get(key, "").replace("|", "\\|")
+                            for key in ("Purpose", "Ranks", "Run time"))
+    ranks, time = (SENTENCE.split(text)[0] for text in (ranks, time))
+    return f"| {shown} | {purpose} | {ranks} | {time} |"
 
 
 def write_decks(documents, program):
     """A document for each deck, a table of all, and their drawings."""
-    rows = ["# Decks\n", "| deck | purpose | ranks | run time |", "|---|---|---|---|"]
-    pictures = []
+    rows = ["---", "hide: [toc]", "---", "# Decks\n", '<div class="decks" markdown="1">\n',
+            "| deck | purpose | ranks | run time |", "|---|---|---|---|"]
     for deck in sorted((ROOT / "inputs").rglob("*.toml")):
         name, head = deck.relative_to(ROOT).as_posix(), head_of(deck)
         document = documents / document_of_deck(deck)
         document.parent.mkdir(parents=True, exist_ok=True)
         text = deck.read_text(encoding="utf-8")
-        drawing = drawing_of(deck, program, document)
+        drawing, problem = drawing_of(deck, program, document) if program else ("", "")
         shown = f"![Model of {name}]({drawing})\n\n" if drawing else ""
         document.write_text(f"# {name}\n\n{head.get('Purpose', '')}\n\n{shown}"
                             f"```toml\n{text}```\n", encoding="utf-8")
-        cells = (head.get(key, "").replace("|", "\\|") for key in ("Purpose", "Ranks", "Run time"))
         own = document_of_deck(deck).relative_to("decks").as_posix()
-        rows.append(f"| [{name}]({own}) | " + " | ".join(cells) + " |")
-        if drawing:
-            beside = pathlib.PurePosixPath(own).with_name(drawing)
-            pictures.append(f"[{name}]({own})\n\n[![Model of {name}]({beside})]({own})\n")
-    if pictures:
-        rows += ["\n## Drawings\n", *pictures]
-    (documents / "decks/index.md").write_text("\n".join(rows) + "\n", encoding="utf-8")
+        rows.append(row_of(name, head, own, drawing, problem))
+    (documents / "decks/index.md").write_text("\n".join([*rows, "\n</div>"]) + "\n",
+                                              encoding="utf-8")
+    (documents / "site.css").write_text(STYLE, encoding="utf-8")
 
 
 def navigation(documents):

@@ -44,6 +44,15 @@ def check_pictures(browser, least):
         raise SystemExit(f"{browser.current_url}: widths of pictures {sizes}")
 
 
+def check_table(browser):
+    """The table is not cut off at its right."""
+    cut = browser.execute_script(
+        "return Array.from(document.querySelectorAll('.md-typeset__scrollwrap, .decks td'))"
+        ".filter(one => one.scrollWidth > one.clientWidth).length")
+    if cut:
+        raise SystemExit(f"{browser.current_url}: {cut} parts are wider than their place")
+
+
 def check_log(browser):
     """The document has caused no error."""
     if log := [one for one in browser.get_log("browser") if one["level"] == "SEVERE"]:
@@ -74,7 +83,8 @@ def check_site(browser, program, source, folder):
         if "inputs/verify/impact.toml" not in found:
             raise SystemExit(f"the search for restitution finds {found}")
         browser.get(f"http://localhost:{server.server_port}/decks/index.html")
-        check_pictures(browser, 40)  # all decks but those that need results of another one
+        check_pictures(browser, len(list((source / "inputs").rglob("*.toml"))))
+        check_table(browser)
         check_log(browser)
     finally:
         server.shutdown()
