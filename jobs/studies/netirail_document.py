@@ -60,6 +60,7 @@ UIC60E1, sleepers of 315 kg every 0.6 m, moduli, Poisson's ratios and densities 
 km/h, points 14.7 and 41 m from the bridge, unbound granular material (UGM) below the first of them.
 
 Assumed, as the report shows it only in drawings, which are not available here, or not at all:
+
 - Sub-ballast and capping layer are {LAYERS["capping"]["thickness"]:g} m thick each.
 - The wedge is cement bound mixture (CBM) up to {reach_of("cbm"):g} m and UGM up to
   {reach_of("ugm"):g} m behind the bridge at its top; both end at the bridge at {DEPTH:g} m depth.
@@ -219,6 +220,7 @@ def part_layers(n):
 The report compares its track with "the same geometry but having the same embankment material at all
 the different layers", and finds about 20 %, less at 41 m. There are two readings, and targets for
 both:
+
 - As reported, sub-ballast and capping layer are replaced, too ("fill only"), and the ground is
   narrow at the bridge. Then the rail's largest displacement changes by
   {both_points(n, "plane_narrow_fill_1", "plane_original_1")}.
