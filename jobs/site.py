@@ -22,7 +22,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 # Chapters of the navigation: title -> documents of docs/.
 CHAPTERS = {
-    "First steps": ("tutorial", "gallery", "cookbook"),
+    "First steps": ("tutorial", "gallery", "cookbook", "troubleshooting", "limits"),
     "User guide": ("running", "track", "bed", "stones", "ground", "solid_track", "shapes",
                    "breakage", "bonds", "settlement", "bridge", "laboratory", "postproc",
                    "monitoring"),
@@ -35,7 +35,8 @@ CHAPTERS = {
 TITLES = {"input": "Parameters of decks"}
 CONFIG = {"site_name": "trackbed", "theme": {"name": "material", "font": False},
           "docs_dir": "documents", "site_dir": "site", "use_directory_urls": False,
-          "plugins": ["search"], "extra_css": ["site.css"], "markdown_extensions": ["tables", "fenced_code", "toc", "md_in_html"]}
+          "plugins": ["search"], "extra_css": ["site.css"],
+          "markdown_extensions": ["tables", "fenced_code", "toc", "md_in_html"]}
 # The table of decks fits into a window of 1000 pixels: words are wrapped in all of its columns.
 STYLE = """
 .decks table:not([class]) { display: table; table-layout: fixed; width: 100%; }
