@@ -28,7 +28,7 @@ CHAPTERS = {
                    "monitoring"),
     "Studies": ("studies/netirail/README", "studies/shi/README", "studies/demfem/README",
                 "studies/chen/README", "studies/crossing/README"),
-    "Reference": ("input", "checkpoint", "glossary", "verification", "theory", "scaling",
+    "Reference": ("input", "python", "checkpoint", "glossary", "verification", "theory", "scaling",
                   "reliability"),
     "Development": ("architecture", "contributing"),
 }

@@ -121,6 +121,7 @@ def of_run(folder: pathlib.Path | str) -> Level:
 
 
 def load(path: pathlib.Path | str) -> Level:
+    """The Level of a CSV or MAT file, or of the folder of a run."""
     path = pathlib.Path(path)
     return of_run(path) if path.is_dir() else of_file(path)
 

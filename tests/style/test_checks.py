@@ -11,6 +11,7 @@ import generated_docs  # noqa: E402
 import glossary  # noqa: E402
 import layering  # noqa: E402
 import links  # noqa: E402
+import python_document  # noqa: E402
 import readme  # noqa: E402
 import recipe  # noqa: E402
 import spelling  # noqa: E402
@@ -153,6 +154,34 @@ def test_generated_docs_finds(tmp_path):
     found = generated_docs.differences("input.md", "new\n", tmp_path / "input.md")
     assert "-old" in found and "+new" in found
     assert generated_docs.differences("input.md", "new\n", tmp_path / "missing.md")
+
+
+@pytest.fixture(name="package")
+def package_fixture(tmp_path, monkeypatch):
+    package = tmp_path / "postproc/trackbed_post"
+    package.mkdir(parents=True)
+    (tmp_path / "docs").mkdir()
+    (package / "__init__.py").write_text('"""Results."""\n__all__ = ["of"]\n')
+    (package / "read.py").write_text('def of(x: int, y=1) -> int:\n    """Reads."""\n')
+    monkeypatch.setattr(python_document, "NAMES", {"": ()})
+    (tmp_path / python_document.DOCUMENT).write_text(python_document.written_from(tmp_path))
+    return tmp_path
+
+
+def test_python_document_finds(package):
+    text = (package / python_document.DOCUMENT).read_text()
+    assert "of(x: int, y=1) -> int" in text and "Reads." in text
+    assert python_document.check(package) == []
+    example = package / "docs/a.md"
+    example.write_text("```python\nfrom trackbed_post import signals\n```\n")
+    assert "trackbed_post.signals" in python_document.check(package)[0]
+    example.unlink()
+    source = package / "postproc/trackbed_post/read.py"
+    source.write_text(source.read_text().replace("y=1", "y=2"))
+    assert "out of date" in python_document.check(package)[0]
+    source.write_text("def of(x):\n    return x\n")
+    with pytest.raises(SystemExit, match="no description of of"):
+        python_document.check(package)
 
 
 def test_verification_page_finds(tmp_path):
