@@ -1,42 +1,42 @@
 #!/usr/bin/env python3
 """The commands of docs/tutorial.md, in order, but those of the section on transition zones, which
-the test `quickstart` covers, and the bed of stones, which is stopped early.
+the test `quickstart` covers, and the bed of stones, which is stopped early. They draw the figures
+that jobs/first_hour.py makes the tutorial's pictures of.
 
     tutorial.py PROGRAM SOURCE_FOLDER FOLDER
 """
 import os
 import pathlib
-import re
-import shlex
-import shutil
 import subprocess
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[levels] / folder)
+                for levels, folder in ((1, "support"), (2, "jobs"))]
+import first_hour  # noqa: E402
 import program  # noqa: E402, F401  # sets the environment of programs of one rank
 
 SLOW = "inputs/track/on_bed.toml"  # stopped early: its figures cannot be drawn
+LARGEST = 150e3  # bytes of a picture
 
 
-def commands(text):
-    """Lines of the blocks up to the section on transition zones, without comments."""
-    for block in re.findall(r"^```\n(.*?)^```", text.partition("## 5.")[0], re.M | re.S):
-        for line in block.splitlines():
-            words = shlex.split(line, comments=True)
-            if words and words[0] != "alias":
-                yield words, "ends with code 2" in line
+def check_pictures(source, text, first):
+    """The pictures that are shown are those that the script draws, small, and of these runs."""
+    if first_hour.shown(text) != set(first_hour.PICTURES):
+        raise SystemExit(f"shown: {first_hour.shown(text)}; drawn: {set(first_hour.PICTURES)}")
+    for name, figure in first_hour.PICTURES.items():
+        picture = source / f"docs/images/{name}.png"
+        if picture.stat().st_size > LARGEST:
+            raise SystemExit(f"{picture} has {picture.stat().st_size} bytes, at most {LARGEST:g}")
+        if not figure.startswith("bed/") and not (first / figure).is_file():
+            raise SystemExit(f"the tutorial does not draw {figure}")
 
 
 def main():
     path, source, folder = sys.argv[1], *map(pathlib.Path, sys.argv[2:4])
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
-    for name in ("inputs", "postproc"):
-        (folder / name).symlink_to(source / name)
-    (folder / "build/release").mkdir(parents=True)
-    (folder / "build/release/trackbed").symlink_to(path)
+    first_hour.prepared(folder, path)
+    text = (source / "docs/tutorial.md").read_text(encoding="utf-8")
     count = 0
-    for words, refused in commands((source / "docs/tutorial.md").read_text(encoding="utf-8")):
+    for words, refused in first_hour.commands(text):
         code = 2 if refused else 0
         if SLOW in words:
             words, code = [*words, "output.stop_after=50"], 3
@@ -50,6 +50,7 @@ def main():
         count += 1
     if count < 10:
         raise SystemExit(f"only {count} commands were found")
+    check_pictures(source, text, folder / "results/first")
     print(f"{count} commands")
 
 
