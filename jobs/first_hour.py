@@ -17,11 +17,11 @@ import sys
 import PIL.Image
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-# Pictures of the tutorial, and the figures in results/first that they are.
-PICTURES = {"tutorial_track": "plain/figures/track.png",
-            "tutorial_ground": "ground/figures/envelope.png",
-            "tutorial_impact": "impact/figures/curve.png",
-            "tutorial_bed": "bed/figures/train.png"}
+# Pictures of the tutorial: figures in results/first, and how much of their height is shown.
+PICTURES = {"tutorial_track": ("plain/figures/track.png", 0.426),
+            "tutorial_ground": ("ground/figures/envelope.png", 1),
+            "tutorial_impact": ("impact/figures/curve.png", 1),
+            "tutorial_bed": ("bed/figures/train.png", 1)}
 COLOURS = 64  # lines and letters need no more; halves the files
 
 
@@ -58,9 +58,10 @@ def run(words, refused, folder, program):
 
 def draw(first, pictures):
     """Copies the figures of the runs in the folder `first`, with fewer colours."""
-    for name, figure in PICTURES.items():
+    for name, (figure, part) in PICTURES.items():
         with PIL.Image.open(first / figure) as picture:
-            picture.convert("RGB").quantize(COLOURS, dither=PIL.Image.Dither.NONE).save(
+            shown_part = picture.crop((0, 0, picture.width, round(part * picture.height)))
+            shown_part.convert("RGB").quantize(COLOURS, dither=PIL.Image.Dither.NONE).save(
                 pictures / f"{name}.png", optimize=True)
 
 

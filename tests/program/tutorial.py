@@ -23,7 +23,7 @@ def check_pictures(source, text, first):
     """The pictures that are shown are those that the script draws, small, and of these runs."""
     if first_hour.shown(text) != set(first_hour.PICTURES):
         raise SystemExit(f"shown: {first_hour.shown(text)}; drawn: {set(first_hour.PICTURES)}")
-    for name, figure in first_hour.PICTURES.items():
+    for name, (figure, _) in first_hour.PICTURES.items():
         picture = source / f"docs/images/{name}.png"
         if picture.stat().st_size > LARGEST:
             raise SystemExit(f"{picture} has {picture.stat().st_size} bytes, at most {LARGEST:g}")
