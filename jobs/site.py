@@ -30,7 +30,7 @@ CHAPTERS = {
                 "studies/chen/README", "studies/crossing/README"),
     "Reference": ("input", "python", "checkpoint", "glossary", "verification", "theory", "scaling",
                   "reliability"),
-    "Development": ("architecture", "contributing"),
+    "Development": ("architecture", "contributing", "comparison"),
 }
 TITLES = {"input": "Parameters of decks"}
 CONFIG = {"site_name": "trackbed", "theme": {"name": "material", "font": False},
@@ -113,14 +113,19 @@ def title_of(path):
     return found[1].strip("` ") if found else path.stem
 
 
+def without_empty_column(text):
+    """A document without sections does not need the column of its table of contents."""
+    return text if re.search(r"^## ", text, re.M) else f"---\nhide: [toc]\n---\n{text}"
+
+
 def write_documents(documents):
     put = {pathlib.Path("index.md"): ROOT / "README.md",
            pathlib.Path("changelog.md"): ROOT / "CHANGELOG.md"}
     put |= {path.relative_to(DOCS): path for path in DOCS.rglob("*.md")}
     for document, source in put.items():
         (documents / document).parent.mkdir(parents=True, exist_ok=True)
-        (documents / document).write_text(adapted(source.read_text(encoding="utf-8"), document),
-                                  encoding="utf-8")
+        text = adapted(source.read_text(encoding="utf-8"), document)
+        (documents / document).write_text(without_empty_column(text), encoding="utf-8")
     shutil.copytree(DOCS / "images", documents / "images")
     shutil.copytree(DOCS / "studies", documents / "studies", dirs_exist_ok=True,
                     ignore=shutil.ignore_patterns("*.md"))
@@ -159,7 +164,7 @@ def row_of(name, head, own, drawing, problem):
 
 def write_decks(documents, program):
     """A document for each deck, a table of all, and their drawings."""
-    rows = ["---", "hide: [toc]", "---", "# Decks\n", '<div class="decks" markdown="1">\n',
+    rows = ["# Decks\n", '<div class="decks" markdown="1">\n',
             "| deck | purpose | ranks | run time |", "|---|---|---|---|"]
     for deck in sorted((ROOT / "inputs").rglob("*.toml")):
         name, head = deck.relative_to(ROOT).as_posix(), head_of(deck)
@@ -172,8 +177,8 @@ def write_decks(documents, program):
                             f"```toml\n{text}```\n", encoding="utf-8")
         own = document_of_deck(deck).relative_to("decks").as_posix()
         rows.append(row_of(name, head, own, drawing, problem))
-    (documents / "decks/index.md").write_text("\n".join([*rows, "\n</div>"]) + "\n",
-                                              encoding="utf-8")
+    (documents / "decks/index.md").write_text(
+        without_empty_column("\n".join([*rows, "\n</div>\n"])), encoding="utf-8")
     (documents / "site.css").write_text(STYLE, encoding="utf-8")
 
 

@@ -10,8 +10,9 @@ import sys
 import tree
 
 SUFFIXES = {".md", ".cpp", ".hpp", ".py", ".sh", ".toml", ".txt", ".cmake", ".cff"}
-# Names of authors, terms of mechanics, and misspelt keys that tests of messages need.
-KNOWN = ["cleary", "strack", "yau", "statics", "tread", "hertzs", "nam", "safty", "titel", "laod"]
+# Names, terms of mechanics, and misspelt keys that tests of messages need.
+KNOWN = ["cleary", "strack", "yau", "precice", "statics", "tread", "hertzs", "nam", "safty",
+         "titel", "laod"]
 
 
 def check(root):
