@@ -15,6 +15,7 @@ import python_document  # noqa: E402
 import readme  # noqa: E402
 import recipe  # noqa: E402
 import spelling  # noqa: E402
+import troubleshooting  # noqa: E402
 import typed  # noqa: E402
 import words  # noqa: E402
 
@@ -182,6 +183,18 @@ def test_python_document_finds(package):
     source.write_text("def of(x):\n    return x\n")
     with pytest.raises(SystemExit, match="no description of of"):
         python_document.check(package)
+
+
+def test_troubleshooting_finds(tmp_path):
+    (tmp_path / "src").mkdir()
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "src/a.cpp").write_text('f("a stone left "\n  "the domain at {}");\n')
+    document = tmp_path / "docs/troubleshooting.md"
+    document.write_text("| `... left the domain at` | cause | remedy |\n"
+                        "| `no slots` (mpirun) | cause | remedy |\n")
+    assert troubleshooting.check(tmp_path) == ([], 1)
+    document.write_text("| x |\n| `... leaves the domain` | cause | remedy |\n")
+    assert "troubleshooting.md:2" in troubleshooting.check(tmp_path)[0][0]
 
 
 def test_verification_page_finds(tmp_path):
