@@ -228,7 +228,9 @@ void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
     value = fmt::format(" = {}", shown(*place.node));
   else if (const auto kept = defaults_.find(path_of(name)); kept != defaults_.end()) {
     if (place.node != nullptr && place.node->from_override) place.node = nullptr;
-    value = fmt::format(" = {} (default)", kept->second);
+    // Of a value that the user has yet to give, the default is of no interest.
+    if (!sentence.starts_with("must be given"))
+      value = fmt::format(" = {} (default)", kept->second);
   }
   const std::string rest = fmt::format("{}: {}", value, sentence);
   if (about.severity == Severity::warning) return problems_.warn(place.node, path_of(name) + rest);

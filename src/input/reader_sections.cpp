@@ -128,6 +128,22 @@ bool Reader::is_a_name(const std::string& word) const {
                      [&](const auto& known) { return last_word(known.path) == word; });
 }
 
+namespace {
+
+// "ground.layer[1]" -> "ground.layer[]", or with other brackets.
+std::string without_numbers(const std::string& path, const std::string& brackets = "[]") {
+  std::string out;
+  bool number = false;
+  for (const char c : path) {
+    if (c == '[') out += brackets;
+    number = (number || c == '[') && c != ']';
+    if (!number && c != ']') out += c;
+  }
+  return out;
+}
+
+}  // namespace
+
 // A name of another model's deck, or a typing error.
 std::string Reader::describe_unknown(const Unknown& unknown) const {
   const std::string path = unknown.path();
@@ -139,26 +155,19 @@ std::string Reader::describe_unknown(const Unknown& unknown) const {
   if (elsewhere) return fmt::format(" is not a {} of a deck with this `model`; leave it out", kind);
   if (const std::string near = suggestion(unknown); !near.empty())
     return fmt::format(" is not a {}{}", kind, did_you_mean(near));
-  return fmt::format(" is not a {}{}", kind,
-                     is_a_name(unknown.name)
-                         ? fmt::format("; `trackbed describe {}` lists other parameters of this "
-                                       "name",
-                                       unknown.name)
-                         : "");
+  std::string where;
+  if (is_a_name(unknown.name))
+    where =
+        fmt::format("; `trackbed describe {}` lists other parameters of this name", unknown.name);
+  else if (!unknown.section.empty())
+    where = fmt::format("; `trackbed describe {}` lists those of this section",
+                        without_numbers(unknown.section, ""));
+  return fmt::format(" is not a {}{}", kind, where);
 }
 
 namespace {
 
 std::string top_of(const std::string& path) { return path.substr(0, path.find_first_of(".[")); }
-
-// "ground.layer[1]" -> "ground.layer[]"
-std::string without_numbers(const std::string& path) {
-  std::string out;
-  for (const char c : path)
-    if (std::isdigit(static_cast<unsigned char>(c)) == 0 || out.empty() || out.back() != '[')
-      out += c;
-  return out;
-}
 
 }  // namespace
 
@@ -216,9 +225,14 @@ std::string Reader::suggestion(const Unknown& unknown) const {
     });
     if (!inner.empty()) return inner;
   }
-  const std::string there = choose(given);
+  // A short name is similar to many.
+  constexpr std::size_t least = 5;
+  const bool is_long = unknown.name.size() >= least || unknown.section.empty();
+  const std::string there = choose([&](const std::string& path) {
+    return given(path) && (is_long || last_word(path) == unknown.name);
+  });
   if (!there.empty() || (!unknown.section.empty() && is_a_name(unknown.name))) return there;
-  return choose(known);
+  return is_long ? choose(known) : "";
 }
 
 }  // namespace trackbed::input

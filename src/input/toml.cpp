@@ -7,6 +7,8 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <regex>
+#include <sstream>
 #include <string>
 #include <string_view>
 
@@ -82,6 +84,28 @@ Node converted(const toml::node& source, std::string_view document) {
   return node;
 }
 
+// What is most likely meant by a line that is not TOML, or nothing.
+std::string hint(const std::string& line, std::string_view problem) {
+  static const std::regex comma(R"(\s*[\w.]+\s*=\s*[-+]?\d+,\d+\s*(#.*)?)");
+  static const std::regex unit(R"(\s*([\w.]+)\s*=\s*[-+]?[\d.]+(e[-+]?\d+)?\s*[A-Za-z%].*)");
+  std::smatch match;
+  if (std::regex_match(line, comma)) return "; decimals are written with a point";
+  if (std::regex_match(line, match, unit))
+    return fmt::format("; give the number alone, in the unit that `trackbed describe {}` states",
+                       match[1].str());
+  if (problem.find("redefine existing table") != problem.npos ||
+      problem.find("redefine existing array") != problem.npos)
+    return "; the tables of a list have two brackets, such as [[material]]";
+  return "";
+}
+
+std::string line_of(const std::string& text, toml::source_index number) {
+  std::istringstream lines(text);
+  std::string line;
+  for (toml::source_index k = 0; k < number; ++k) std::getline(lines, line);
+  return line;
+}
+
 }  // namespace
 
 // The parser stops at the first error, so invalid TOML causes one message only.
@@ -89,8 +113,10 @@ Node parse_toml(const std::string& text, const std::string& origin) {
   try {
     return converted_table(toml::parse(std::string_view(text)), text);
   } catch (const toml::parse_error& error) {
-    throw InputError({fmt::format("{}:{}: {}", origin, static_cast<int>(error.source().begin.line),
-                                  error.description())});
+    const toml::source_index line = error.source().begin.line;
+    throw InputError(
+        {fmt::format("{}:{}: {}{}", origin, static_cast<int>(line), error.description(),
+                     hint(line_of(text, line), error.description()))});
   }
 }
 

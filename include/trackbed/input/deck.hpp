@@ -58,6 +58,13 @@ class Deck {
 // All parameters with their current values as a deck, which reads back to the same values (numbers
 // with 17 digits): the effective input stored in every result.
 std::string effective(const Declaration& declaration);
+// Whether a section, such as LoadParameters, differs from its default: every parameter is compared,
+// as text.
+template <class T>
+bool differs_from_default(T section, T none = {}) {
+  const auto text = [](T& of) { return effective([&of](Section& s) { of.declare(s); }); };
+  return text(section) != text(none);
+}
 // List of the sections; "all": Markdown reference (docs/input.md); for one section path the same on
 // a terminal.
 // Throws InputError with the nearest name if `section` does not exist.

@@ -301,15 +301,11 @@ std::vector<couple::Rectangle> footprints_of(const Model& model) {
 }
 
 void declare_footing(const Model& model, input::Section& s) {
-  if (model.kind != ModelKind::track_on_ground) {
-    const auto text = [](FootingParameters footing) {
-      return input::effective([&footing](input::Section& inner) { footing.declare(inner); });
-    };
-    return s.rule("footing", text(model.footing) == text({}),
+  if (model.kind != ModelKind::track_on_ground)
+    return s.rule("footing", !input::differs_from_default(model.footing),
                   "has no effect: it is for model = \"track_on_ground\"; sleepers of a bed rest on "
                   "its stones",
                   {.reads = {"footing", "model"}});
-  }
   declare_kind(model, s);
   declare_idle_sides(model.ground, model.dimension, s);
   declare_track(model, s);

@@ -226,13 +226,10 @@ double solid_node_mass(const Model& model) {
 }
 
 void declare_solids(const Model& model, input::Section& s) {
-  if (model.sleepers.model == track::SleeperBody::rigid) {
-    const auto text = [](SolidParameters solid) {
-      return input::effective([&solid](input::Section& inner) { solid.declare(inner); });
-    };
-    return s.rule("solid", text(model.solid) == text({}), "has no effect: sleepers.model is rigid",
+  if (model.sleepers.model == track::SleeperBody::rigid)
+    return s.rule("solid", !input::differs_from_default(model.solid),
+                  "has no effect: sleepers.model is rigid",
                   {.severity = input::Severity::warning, .reads = {"solid", "sleepers.model"}});
-  }
   declare_kinds(model, s), declare_seats(model, s), declare_rails(model, s);
   if (model.sleepers.count < 1 || model.solid.seats.empty() || model.solid.seat_size.size() != 2)
     return;

@@ -56,27 +56,19 @@ struct Idle {
   }
 };
 
-// Whether a section differs from its defaults. The comparison as text includes every parameter.
-template <class T>
-bool is_given(T section, T none = {}) {
-  const auto text = [](T& of) {
-    return input::effective([&of](input::Section& inner) { of.declare(inner); });
-  };
-  return text(section) != text(none);
-}
-
 void declare_idle_sections(const TrackModel& model, const Features& acts, const Idle& idle) {
-  const bool pad = is_given(model.line.pad), ballast = is_given(model.line.ballast);
+  const bool pad = input::differs_from_default(model.line.pad),
+             ballast = input::differs_from_default(model.line.ballast);
   idle("pad", pad, acts.sleepers, no_sleepers);
   idle("pad", pad && acts.sleepers, acts.rail, no_rail);
   idle("ballast", ballast, acts.sleepers, no_sleepers);
-  idle("rail", is_given(model.line.rail), acts.rail, no_rail);
+  idle("rail", input::differs_from_default(model.line.rail), acts.rail, no_rail);
   const track::RailParameters &rail = model.line.rail, none;
   idle("rail.poisson", rail.poisson != none.poisson, acts.shears, stiff);
   idle("rail.shear_factor", rail.shear_factor != none.shear_factor, acts.shears, stiff);
   const bool rolls = acts.rail && acts.rolls;
   const char* why = !acts.rail ? no_rail : acts.vehicles ? no_wheels : no_vehicles;
-  idle("wheel_rail", is_given(model.wheel_rail), rolls, why);
+  idle("wheel_rail", input::differs_from_default(model.wheel_rail), rolls, why);
   for (const auto& [key, one] : {std::pair{"irregularity.kind", model.irregularity.kind},
                                  {"irregularity_right.kind", model.irregularity_right.kind}})
     idle(key, one != track::IrregularityKind::none && one != track::IrregularityKind::same, rolls,

@@ -24,13 +24,9 @@ bool by_seats(const TrackModel& model) { return model.passage.loaded_by == track
 // pinned ends hold.
 void declare_seats(const TrackModel& model, input::Section& s) {
   const input::About about{.reads = {"passage", "train", "force", "track", "load"}};
-  if (!by_seats(model)) {
-    const auto text = [](track::SeatLoadParameters load) {
-      return input::effective([&load](input::Section& inner) { load.declare(inner); });
-    };
-    return s.rule("load", model.on_bed || text(model.load) == text({}),
+  if (!by_seats(model))
+    return s.rule("load", model.on_bed || !input::differs_from_default(model.load),
                   "has no effect: it acts only with passage.loaded_by = \"seats\"", about);
-  }
   s.rule("load.gauge", model.load.gauge == 0,
          "must be 0 except on a bed: without a bed, both seats of a sleeper receive the same load",
          about);

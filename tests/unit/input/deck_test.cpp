@@ -89,9 +89,11 @@ TEST(Deck, ReportsWhatAValueMustBe) {
   // As it was written, whatever TOML makes of it and precedes it in the line.
   EXPECT_EQ(problems_of("[dem]\nlaw = 60E2\n"),
             Sentences{"deck.toml:2: dem.law = 60E2 must be \"linear\" or \"hertz\" (in quotes)"});
-  EXPECT_EQ(problems_of("dem = {'\u00e9' = 1, law = 6_0}  # 7\n"),
-            (Sentences{"deck.toml:1: dem.law = 6_0 must be \"linear\" or \"hertz\" (in quotes)",
-                       "deck.toml:1: dem.\u00e9 is not a parameter"}));
+  EXPECT_EQ(
+      problems_of("dem = {'\u00e9' = 1, law = 6_0}  # 7\n"),
+      (Sentences{"deck.toml:1: dem.law = 6_0 must be \"linear\" or \"hertz\" (in quotes)",
+                 "deck.toml:1: dem.\u00e9 is not a parameter; `trackbed describe dem` lists those "
+                 "of this section"}));
   EXPECT_EQ(problems_of("", {"dem.law=60E2"}),
             Sentences{"command line: dem.law = 60E2 must be \"linear\" or \"hertz\""});
 }
@@ -133,6 +135,27 @@ TEST(Deck, SuggestsNoParametersOfSectionsThatAreMissing) {
                        "other parameters of this name"}));
   EXPECT_EQ(problems_of("[dem]\nyoung = 2\n[[layer]]\nyoung = 1\n"),
             (Sentences{"deck.toml:2: dem.young is not a parameter; did you mean layer[].young?"}));
+}
+
+// A name of four letters is similar to some name of any section.
+TEST(Deck, SuggestsNoNamesOfOtherSectionsForShortOnes) {
+  EXPECT_EQ(problems_of("[dem]\ntitl = 2\n"),
+            (Sentences{"deck.toml:2: dem.titl is not a parameter; `trackbed describe dem` lists "
+                       "those of this section"}));
+}
+
+TEST(Deck, ExplainsLinesThatAreNotToml) {
+  const auto ends_with = [](const std::string& deck, const std::string& hint) {
+    const Sentences found = problems_of(deck);
+    ASSERT_EQ(found.size(), 1U) << deck;
+    EXPECT_TRUE(found[0].ends_with(hint)) << found[0];
+    EXPECT_TRUE(found[0].starts_with("deck.toml:2: ")) << found[0];
+  };
+  ends_with("[dem]\nskin = 0,002\n", "; decimals are written with a point");
+  ends_with("[dem]\nskin = 2 mm  # of stones\n",
+            "; give the number alone, in the unit that `trackbed describe skin` states");
+  ends_with("[[layer]]\n[layer]\nyoung = 2\n",
+            "; the tables of a list have two brackets, such as [[material]]");
 }
 
 TEST(Deck, LocatesSentencesThatBeginWithAKey) {
