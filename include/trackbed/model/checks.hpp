@@ -50,6 +50,9 @@ StonesToPlace require_placed(const par::Comm& comm, const Model& model, const in
 // The shapes of all placed stones, in the order of the deck. Throws InputError. Collective.
 std::vector<bed::PlacedShape> placed_shapes(const par::Comm& comm, const Model& model);
 
+// A line about train, rail and supports that the deck does not give, or nothing.
+std::string words_of_defaults(const Model& model, const input::Deck& deck);
+
 // Input of the estimate of a run in stages besides its model.
 struct StagesToCheck {
   const input::Deck& deck;

@@ -163,6 +163,13 @@ void require_svg(const std::string& path) {
                      path)});
 }
 
+void print_valid(const par::Comm& comm, const model::Model& model, const input::Deck& deck,
+                 const std::string& name) {
+  if (const std::string words = model::words_of_defaults(model, deck); !words.empty())
+    print(comm, words + "\n");
+  print(comm, name + " is valid\n");
+}
+
 }  // namespace
 
 int check(const par::Comm& comm, const Arguments& arguments) {
@@ -182,7 +189,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
     model::check_track(comm, model);  // takes steps, and so uses the options of the ground
     warn_of_unused_options(comm, fem::Petsc::unused_options());
     draw(comm, arguments.drawing, model, {}, arguments.deck);
-    print(comm, arguments.deck + " is valid\n");
+    print_valid(comm, model, deck, arguments.deck);
     return static_cast<int>(ExitCode::success);
   }
   const std::string start = checked_start(model, deck, warnings);
@@ -197,7 +204,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   model::check_stages(
       comm, model, {deck, arguments.deck, start, ground.size, to_place, stones, arguments.ranks});
   draw(comm, arguments.drawing, model, to_place.shapes, arguments.deck);
-  print(comm, arguments.deck + " is valid\n");
+  print_valid(comm, model, deck, arguments.deck);
   return static_cast<int>(ExitCode::success);
 }
 

@@ -9,6 +9,7 @@
 #include "model/check/placed_check.hpp"
 #include "model/check/scaling.hpp"
 #include "model/scheme/staged_log.hpp"
+#include "trackbed/core/error.hpp"
 #include "trackbed/model/checks.hpp"
 
 namespace trackbed::model {
@@ -36,6 +37,7 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
   if (world.ground) observe::Sensors(comm, model.sensors, model.dem.gravity).locate(*world.ground);
   const auto megabytes = [&] { return static_cast<double>(world.memory()) / (1024 * 1024); };
   double memory = megabytes();
+  std::string problem;
   const char* later = model.has_stones() ? "; contacts of stones will need more" : "";
   // After a start from a checkpoint the remaining work depends on stones that only a run loads.
   if (!model.has_stones()) {
@@ -61,6 +63,7 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
     }
     const Estimate found = estimate(world, actions, given.stones, given.deck);
     for (const std::string& line : found.lines) say(comm, line);
+    problem = found.problem;
     if (!given.ranks.empty())
       for (const std::string& line : scaling_of(world, given.ranks, found.step_time))
         say(comm, line);
@@ -70,6 +73,9 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
   say(comm,
       fmt::format("memory of the model before the first window: at most {:.2g} MB on a rank{}",
                   comm.max(memory), later));
+  if (!problem.empty())
+    throw InputError(
+        {given.name + ": the first windows of the bed as it is laid fail: " + problem});
 }
 
 }  // namespace trackbed::model

@@ -39,14 +39,17 @@ void draw_blocks(const fem::GroundParameters& ground, Picture& picture) {
     const fem::Block& b = ground.blocks[k];
     if (!b.present) continue;
     std::vector<Point2> corners;
-    Point2 middle{0, 0};
+    Point2 middle{0, 0}, low{b.outline[0], b.outline[1]}, high = low;
     for (std::size_t c = 0; c + 1 < b.outline.size(); c += 2) {
-      corners.push_back({b.outline[c], b.outline[c + 1]});
-      middle.x += b.outline[c], middle.z += b.outline[c + 1];
+      const Point2 corner{b.outline[c], b.outline[c + 1]};
+      corners.push_back(corner);
+      middle.x += corner.x, middle.z += corner.z;
+      low = {std::min(low.x, corner.x), std::min(low.z, corner.z)};
+      high = {std::max(high.x, corner.x), std::max(high.z, corner.z)};
     }
     const auto count = static_cast<double>(corners.size());
     picture.polygon(std::move(corners), structural[k] ? structure : block);
-    picture.text({middle.x / count, middle.z / count},
+    picture.name({middle.x / count, middle.z / count}, {high.x - low.x, high.z - low.z},
                  fmt::format("{}, {}", b.name, modulus(b.solid.young)));
   }
 }
@@ -63,11 +66,11 @@ void draw_ground(const Model& model, Picture& picture) {
     const fem::Layer& layer = ground.layers[k];
     picture.rectangle({ground.x[0], z - layer.thickness}, {ground.x[1], z},
                       {.fill = layer_fill[k % std::size(layer_fill)], .line = "#888"});
-    picture.text(
-        {ground.x[1], z - layer.thickness / 2},
+    picture.name(
+        {ground.x[1], z - layer.thickness / 2}, {ground.x[1] - ground.x[0], layer.thickness},
         fmt::format("{}, {} ", layer.name,
                     layer.young_file.empty() ? modulus(layer.solid.young) : "modulus from a file"),
-        Anchor::end, 4);
+        Anchor::end);
     z -= layer.thickness;
   }
   draw_blocks(ground, picture);
@@ -81,9 +84,8 @@ void draw_bed(const Model& model, Picture& picture) {
   double z = 0;
   const auto add = [&](const std::string& name, double height) {
     picture.rectangle({from, z}, {to, z + height}, ballast);
-    picture.text({from, z + height / 4},
-                 fmt::format(" {}, {:g} m", name.empty() ? model.bed.material : name, height),
-                 Anchor::start, 4);
+    picture.name({(from + to) / 2, z + height / 4}, {to - from, height},
+                 fmt::format("{}, {:g} m", name.empty() ? model.bed.material : name, height));
     z += height;
   };
   for (const Stage& stage : model.stages)
@@ -116,7 +118,12 @@ struct TrackPlace {
 void draw_train(const Model& model, const TrackPlace& place, double top, Picture& picture) {
   const auto train = train_of(model.track);
   if (!train) return;
-  const double front = place.origin + model.track.train.start;
+  // Over the sleepers on stones or ground, so that both are seen at one scale.
+  const track::TrackParameters& line = model.track.line.track;
+  const double start = place.origin + model.track.train.start;
+  const bool moved = place.count > 0;
+  const double front =
+      moved ? place.origin + line.sleeper_x(place.first + (3 * place.count) / 4) : start;
   const double radius = model.track.wheel_rail.bodies.wheel_radius;
   double first = 0, last = 0;
   std::size_t axle = 0;
@@ -124,7 +131,7 @@ void draw_train(const Model& model, const TrackPlace& place, double top, Picture
   for (const track::Train::Wheel& w : train->wheels())
     if (w.side == 0) axles.push_back(front - w.behind);
   // Beside a long train the rest would be small.
-  const double furthest = std::min(place.origin, front) - model.track.line.track.length / 2;
+  const double furthest = moved ? place.origin : std::min(place.origin, front) - line.length / 2;
   std::size_t drawn = 0;
   for (const track::VehicleParameters& vehicle : train->vehicles()) {
     const std::size_t own = track::axles_of(vehicle).size();
@@ -141,8 +148,13 @@ void draw_train(const Model& model, const TrackPlace& place, double top, Picture
   if (const std::size_t more = train->vehicles().size() - drawn; more > 0)
     picture.note(fmt::format("{} vehicle{} at the end of the train {} not drawn.", more,
                              more > 1 ? "s" : "", more > 1 ? "are" : "is"));
-  picture.note(fmt::format("Train at its start, {:g} km/h towards the right.",
-                           3.6 * model.track.train.speed));
+  picture.note(fmt::format(
+      "{}, {:.5g} km/h towards the right.",
+      moved ? fmt::format("The train is drawn over the bed; it starts with its first axle at x = "
+                          "{:g} m",
+                          start)
+            : "Train at its start",
+      3.6 * model.track.train.speed));
 }
 
 void draw_track(const Model& model, const TrackPlace& place, Picture& picture) {

@@ -188,8 +188,7 @@ Estimate estimate(World& world, const StageActions& actions, const StonesOfLayer
   for (const std::string& line : sentences_of(model, costs)) result.lines.push_back(line);
   result.lines.push_back(sentence_of_times(costs));
   result.lines.push_back(sentence_of_total(world.comm, costs, measured, model));
-  if (!problem.empty())
-    result.lines.push_back("warning: the first windows of the bed as it is laid fail: " + problem);
+  result.problem = problem;
   double longest = 0, windows = 0;
   for (const StageCost& cost : costs) {
     windows += cost.windows;

@@ -14,6 +14,7 @@ namespace trackbed::model {
 struct Estimate {
   std::vector<std::string> lines;  // for `check`
   double step_time = 0;            // s of one core for a sub-step of a stone of the first layer
+  std::string problem;             // why the first windows fail, or nothing
 };
 // `world` is filled by the first stage. Copies of a cell and the ground are moved, to measure them.
 // Collective.

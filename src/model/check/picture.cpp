@@ -93,6 +93,10 @@ void Picture::text(Point2 at, const std::string& words, Anchor anchor, double be
   parts_.push_back({Kind::text, {at}, below, {}, words, anchor});
 }
 
+void Picture::name(Point2 at, Point2 size, const std::string& words, Anchor anchor) {
+  parts_.push_back({Kind::name, {at}, 4, {}, words, anchor, size});
+}
+
 Picture::View Picture::view() const {
   constexpr double far = std::numeric_limits<double>::infinity();
   Point2 low{far, far}, high{-far, -far};
@@ -138,12 +142,14 @@ std::string Picture::axes(const View& view) {
   const double left = view.x(view.low.x) - 8, bottom = view.y(view.low.z) + 8;
   std::string out = fmt::format("<path d=\"M{0:.1f} {1:.1f} V{2:.1f} H{3:.1f}\" {4}/>\n", left,
                                 view.y(view.high.z), bottom, view.x(view.high.x), styled(frame));
-  const double step = tick_distance(std::max(view.high.x - view.low.x, view.high.z - view.low.z));
+  const double long_side = std::max(view.high.x - view.low.x, view.high.z - view.low.z);
+  const double step = tick_distance(long_side);
   for (const double x : ticks(view.low.x, view.high.x, step)) {
     out += fmt::format("<path d=\"M{0:.1f} {1:.1f} v5\" {2}/>\n", view.x(x), bottom, styled(frame));
     out += label(view.x(x), bottom + 18, "middle", fmt::format("{:.4g}", x));
   }
-  for (const double z : ticks(view.low.z, view.high.z, step)) {
+  const double upward = tick_distance(std::min(long_side, 3 * (view.high.z - view.low.z)));
+  for (const double z : ticks(view.low.z, view.high.z, upward)) {
     out += fmt::format("<path d=\"M{0:.1f} {1:.1f} h-5\" {2}/>\n", left, view.y(z), styled(frame));
     out += label(left - 8, view.y(z) + 4, "end", fmt::format("{:.4g}", z));
   }
@@ -152,21 +158,41 @@ std::string Picture::axes(const View& view) {
   return out;
 }
 
+std::string Picture::texts(const View& view, std::vector<std::string>& notes) const {
+  std::string out, list;
+  int number = 0;
+  for (Part part : parts_) {
+    if (part.kind != Kind::text && part.kind != Kind::name) continue;
+    const double width = letter * static_cast<double>(part.words.size() + 1);
+    if (part.kind == Kind::name &&
+        (width > part.room.x * view.scale || line_height > part.room.z * view.scale)) {
+      const std::string short_name = fmt::format("{}", ++number);
+      list += fmt::format("{}{}: {}", number > 1 ? "; " : "", short_name, part.words);
+      part.words = short_name;
+    }
+    part.kind = Kind::text;
+    out += drawn(part, view);
+  }
+  if (number > 0) notes.push_back(list + ".");
+  return out;
+}
+
 std::string Picture::svg() const {
   const View view = this->view();
-  const double height = view.bottom() + line_height * static_cast<double>(notes_.size() + 1);
+  std::vector<std::string> notes = notes_;
+  const std::string texts = this->texts(view, notes);
+  const double height = view.bottom() + line_height * static_cast<double>(notes.size() + 1);
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
       "viewBox=\"0 0 {0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"13\">\n"
       "<title>{2}</title>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
       std::max(view.right(), 640.0), height, escaped(title_));
   out += label(margin, line_height - 2, "start", title_);
-  for (const bool texts : {false, true})  // no body hides a text
-    for (const Part& part : parts_)
-      if ((part.kind == Kind::text) == texts) out += drawn(part, view);
-  out += axes(view);
+  for (const Part& part : parts_)
+    if (part.kind != Kind::text && part.kind != Kind::name) out += drawn(part, view);
+  out += texts + axes(view);  // no body hides a text
   double y = view.bottom();
-  for (const std::string& note : notes_) out += label(margin, y += line_height, "start", note);
+  for (const std::string& note : notes) out += label(margin, y += line_height, "start", note);
   return out + "</svg>\n";
 }
 

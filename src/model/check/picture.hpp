@@ -31,6 +31,9 @@ class Picture {
   void circle(Point2 centre, double radius, const Paint& paint);  // radius: m
   // `below`: pixels by which the text is moved down.
   void text(Point2 at, const std::string& words, Anchor anchor = Anchor::middle, double below = 0);
+  // The name of a part, in its middle or at an end of it; of a part that is too small for it a
+  // number, which is explained below the axes. `size`: m, of the part.
+  void name(Point2 at, Point2 size, const std::string& words, Anchor anchor = Anchor::middle);
   // One sentence below the axes.
   void note(const std::string& sentence) { notes_.push_back(sentence); }
 
@@ -38,18 +41,21 @@ class Picture {
   std::string svg() const;
 
  private:
-  enum class Kind { polygon, line, circle, text };
+  enum class Kind { polygon, line, circle, text, name };
   struct Part {
     Kind kind;
-    std::vector<Point2> points;
-    double size;  // m, radius; of texts: pixels downwards
+    std::vector<Point2> points;  // of names: the place only
+    double size;                 // m, radius; of texts: pixels downwards
     Paint paint;
     std::string words = {};
     Anchor anchor = Anchor::middle;
+    Point2 room = {0, 0};  // m, of names
   };
   struct View;
   View view() const;
   static std::string drawn(const Part& part, const View& view);
+  // The texts; adds names that do not fit to `notes`.
+  std::string texts(const View& view, std::vector<std::string>& notes) const;
   static std::string axes(const View& view);
 
   std::string title_;
