@@ -86,16 +86,16 @@ def shortened(program, path, given):
 
 
 class Cells:
-    """The cells that decks copy, each made once, by the deck of its name: results/cell by cell.toml
-    beside the deck, results/quickstart/cell by INPUTS/quickstart_cell.toml."""
+    """The cells that decks copy, each made once, by the deck of its name: results/quickstart/cell
+    by INPUTS/quickstart_cell.toml if there is one, else by cell.toml beside the deck."""
 
     def __init__(self, program, inputs, folder):
         self.program, self.inputs, self.folder = program, inputs, folder
 
     def maker_of(self, deck, cell):
         name = pathlib.PurePath(cell)
-        candidates = (deck.parent / f"{name.name}.toml",
-                      self.inputs / f"{name.parent.name}_{name.name}.toml")
+        candidates = (self.inputs / f"{name.parent.name}_{name.name}.toml",
+                      deck.parent / f"{name.name}.toml")
         found = next((path for path in candidates if path.is_file()), None)
         if not found:
             raise SystemExit(f"{deck}: none of {[str(path) for path in candidates]} makes {cell}")
@@ -178,9 +178,12 @@ def main():
     for path in [given.inputs / name for name in given.decks] or \
             sorted(given.inputs.rglob("*.toml")):
         name = path.relative_to(given.inputs)
-        deck = Deck(program, path, given.folder, random.Random(f"{given.seed} {path.name}"),
-                    cells.overrides(path))
-        compared, finding = deck.outcome()
+        try:
+            deck = Deck(program, path, given.folder, random.Random(f"{given.seed} {path.name}"),
+                        cells.overrides(path))
+            compared, finding = deck.outcome()
+        except SystemExit as failure:  # the other decks are of interest, too
+            compared, finding = "not run", str(failure)[:300]
         findings += bool(finding)
         print(f"{name}: {compared}{': ' + finding if finding else ''}", flush=True)
         lines.append(f"| {name} | {compared} | {finding or 'bitwise identical'} |")
