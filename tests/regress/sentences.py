@@ -133,6 +133,7 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
                "must be above 0 s: the train stops with its first axle at 30 m from the",
            f"{TRAIN} seat.before=5": "at 3 m from the start of the track, within its run-in of 6 m",
            f"{TRAIN} track.spacing=0.5": "(sleepers.spacing = 0.6 m)",
+           "stage.passage.train=true": "train.start: must be given and be at most 0 m on a bed",
            f"{TRAIN} track.length=18": "must be at least 18.6 m: 12.6 m up to the last sleeper",
            f"{TRAIN} track.support=continuous": 'must be "sleepers", since the bed has',
            f"{TRAIN} handover.after=lode": "there is no stage \"lode\"",
@@ -188,7 +189,7 @@ WARNED = {"stage.passage.ground_moves=false":
           f"{TRAIN} bed.x=[0,2.4] ground.x=[0,2.4]":
               "leaves 1.5 m of the bed (x = 0 to 2.4 m) behind the last sleeper bare",
           f"{TRAIN} stage.load.kind=settle stage.load.cycles=0 stage.load.load=0 "
-          "stage.load.settlement=0": "no stage of kind load comes before the first train",
+          "stage.load.settlement=0": "no stage of kind load presses on the sleepers before",
           f"{TRAIN} stage.passage.duration=0.4 train.speed=30":
               "ends the stage before the train has left the bed",
           f"{TRAIN} stage.passage.ground_moves=false stage.load.ground_moves=false":
@@ -257,6 +258,17 @@ WARNED = {"stage.passage.ground_moves=false":
           "stage.sleepers.height=0.15 stage.sleepers.profile=0.1 stage.cribs.kind=run "
           "stage.cribs.profile=0":
               "is below the lower faces of the sleepers",
+          "stage.sleepers.height=0.15 stage.sleepers.profile=0.16 stage.cribs.kind=run "
+          "stage.cribs.profile=0":
+              "is hardly above the lower faces of the sleepers (height = 0.15 m)",
+          "stage.load.load=-5e3": "lifts the sleepers: forces are positive downwards",
+          "stage.load.seat_force=-5e3": "lifts the sleepers: forces are positive downwards",
+          f"{TRAIN}": "load: has no effect: no stage of kind passage is without a train",
+          f"{TRAIN} ballast.damping=60":
+              "ballast.damping = 60.0: is small: usually at least 100 N s/m",
+          "ground.rayleigh_mass=0.04": "0.00032 at f = 10 Hz; is it meant as a ratio?",
+          "ground.block.0.outline=[0,0, 0.5,0, 0.5,-0.56, 0,-0.56]":
+              "has a side at z = -0.56 m, inside an element",
           "stage.passage.friction=0": "stones without friction do not carry sleepers",
           "contact.0.friction=0": "stones without friction do not carry sleepers",
           "material.ballast.density=1600": "is it the bulk density of the ballast?",

@@ -61,7 +61,9 @@ struct Block {
   Strength strength = {};
   std::vector<double> y = {};             // m, from and to; empty: the whole width of the ground
   BlockRole role = BlockRole::automatic;  // has no effect on a run
-  std::vector<double> upright_sides() const;  // m, x of each
+  // m, x of each upright side (axis 0), or z of each level one (axis 2).
+  std::vector<double> sides_across(int axis) const;
+  double height() const;  // m
   void declare(input::Section& s);
 };
 

@@ -54,6 +54,8 @@ class Log {
   // Prints another line in its place.
   void instead(const std::string& line);
   void mark(double time);
+  // Whether the step differs from that of the stage before, which need not be explained again.
+  bool is_new_step(const std::string& words);
   // Collective.
   void timer_table(const Timers& timers);
 
@@ -61,6 +63,7 @@ class Log {
   const par::Comm& comm_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   double last_line_ = 0, last_time_ = 0;  // s of wall and of simulated time
+  std::string last_step_;
 };
 
 }  // namespace trackbed::model

@@ -109,7 +109,7 @@ std::vector<std::string> RailEnds::warnings(const track::LineParameters& line, s
         "the track on springs does not match the bed: at the {} of the bed the rail deflects under "
         "the train by {:.2g} mm above the {} {} sleepers on stones and by {:.2g} mm above the {} "
         "ones on springs (ratio {:.3g}, usually at most {:g}); if they are not meant to be a "
-        "transition, {}",
+        "transition and no sleeper hangs above the stones, {}",
         end == 0 ? "start" : "end", 1e3 * on_stones, end == 0 ? "first" : "last", count,
         1e3 * on_springs, end == 0 ? "previous" : "next", std::max(ratio, 1 / ratio), different,
         remedy(bed, ratio > 1)));

@@ -53,9 +53,11 @@ void introduce_track(const par::Comm& comm, const TrackModel& model, const Built
     say(comm, line);
   if (!built.train.wheels().empty())
     say(comm,
-        fmt::format("  train: {} vehicles, {} axles, {}; largest static wheel load {:.2f} kN",
-                    built.train.vehicles().size(), built.train.wheels().size() / built.line.sides(),
-                    words_of_speed(model.train), built.train.largest_static_load() / 1e3));
+        fmt::format("  train: {} vehicle{}, {} axles, {}; largest static wheel load {:.2f} kN",
+                    built.train.vehicles().size(),
+                    plural_ending(static_cast<std::int64_t>(built.train.vehicles().size())),
+                    built.train.wheels().size() / built.line.sides(), words_of_speed(model.train),
+                    built.train.largest_static_load() / 1e3));
   if (model.passage.loaded_by == track::LoadedBy::seats) {
     say(comm,
         fmt::format("  seat loads for {:.4g} s, without pads and rail", built.passage.duration()));

@@ -63,6 +63,12 @@ void Log::instead(const std::string& line) {
 
 void Log::mark(double time) { last_line_ = wall_time(), last_time_ = time; }
 
+bool Log::is_new_step(const std::string& words) {
+  const bool is_new = words != last_step_;
+  last_step_ = words;
+  return is_new;
+}
+
 // A row of zeros is left out: most often a part that the model does not have.
 std::vector<PhaseTime> times_over_ranks(const par::Comm& comm, const Timers& timers) {
   constexpr double shown = 0.005;  // s

@@ -174,32 +174,43 @@ std::vector<std::string> warnings_of_shapes(const Model& model, const input::Dec
       of_longest, of_shortest)};
 }
 
-// Warns of upright sides of blocks inside elements, each of which has the material at its centre:
-// the side is then up to half an element from where the deck has it.
-std::vector<std::string> warnings_of_block_sides(const Model& model, const input::Deck& deck) {
+// Warns of sides of blocks inside elements, each of which has the material at its centre: the side
+// is then up to half an element from where the deck has it. Only along one axis.
+void warn_of_block_sides(const fem::GroundParameters& ground, int axis, const std::string& where,
+                         std::vector<std::string>& warnings) {
   constexpr double close = 0.02;  // of an element's length
-  const fem::GroundParameters& ground = model.ground;
-  if (ground.of_tetrahedra() || ground.layers.empty()) return {};
-  const std::vector<double> edges = ground.edges(0);
-  std::vector<std::string> warnings;
+  constexpr double flat = 0.05;   // of the height of a block, which rows of elements seldom fit
+  const std::vector<double> edges = ground.edges(axis);
+  const char* name = axis == 0 ? "x" : "z";
   std::vector<double> named;  // neighbours share sides
   for (const fem::Block& block : ground.blocks) {
     if (!block.present) continue;
-    for (const double x : block.upright_sides()) {
-      if (std::find(named.begin(), named.end(), x) != named.end()) continue;
-      named.push_back(x);
-      const auto after = std::lower_bound(edges.begin(), edges.end(), x);
+    const double height = axis == 2 ? block.height() : 0;
+    for (const double side : block.sides_across(axis)) {
+      if (std::find(named.begin(), named.end(), side) != named.end()) continue;
+      named.push_back(side);
+      const auto after = std::lower_bound(edges.begin(), edges.end(), side);
       if (after == edges.begin() || after == edges.end()) continue;
       const double low = *(after - 1), high = *after;
-      if (std::min(x - low, high - x) <= close * (high - low)) continue;
+      const double error = std::min(side - low, high - side);
+      if (error <= close * (high - low) || error <= flat * height) continue;
       warnings.push_back(fmt::format(
-          "{}: block \"{}\" has a side at x = {:g} m, inside an element ({:g} to {:g} m), which "
-          "has the material at its centre; the side is computed at {:g} m. Choose the number of "
-          "elements so that one begins there",
-          deck.where("ground.elements_x"), block.name, x, low, high,
-          2 * x < low + high ? low : high));
+          "{}: block \"{}\" has a side at {} = {:g} m, inside an element ({:.6g} to {:.6g} m), "
+          "which has the material at its centre; the side is computed at {:.6g} m. Choose the "
+          "number of elements so that one begins there",
+          where, block.name, name, side, low, high, 2 * side < low + high ? low : high));
     }
   }
+}
+
+std::vector<std::string> warnings_of_block_sides(const Model& model, const input::Deck& deck) {
+  const fem::GroundParameters& ground = model.ground;
+  std::vector<std::string> warnings;
+  if (ground.of_tetrahedra() || ground.layers.empty()) return warnings;
+  warn_of_block_sides(ground, 0, deck.where("ground.elements_x"), warnings);
+  warn_of_block_sides(
+      ground, 2, deck.where(ground.layers_have_elements() ? "ground.layer" : "ground.elements_z"),
+      warnings);
   return warnings;
 }
 

@@ -231,6 +231,12 @@ void declare_begin(const Model& model, const Stage& stage, const input::About& a
 // know.
 void declare_passages(const Model& model, input::Section& s) {
   const auto& load = model.load;
+  const bool acts = std::any_of(model.stages.begin(), model.stages.end(), [](const Stage& stage) {
+    return stage.kind == StageKind::passage && !stage.train;
+  });
+  s.rule("load", acts || !input::differs_from_default(load),
+         "has no effect: no stage of kind passage is without a train (train = false)",
+         {.severity = input::Severity::warning, .reads = {"load", "stage"}});
   if (load.is_table() || model.sleepers.count < 1) return;
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     if (model.stages[i].kind != StageKind::passage || model.stages[i].train) continue;

@@ -96,12 +96,13 @@ void Stage::declare_bodies(input::Section& s) {
 
 void Stage::declare_loads(input::Section& s) {
   s.number("seat_force", seat_force, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
-           "Constant force on each sleeper, downwards; a sleeper with two seats has half of it on "
+           "Constant force on each sleeper, positive downwards; a sleeper with two seats has half "
+           "of it on "
            "each.");
-  s.number(
-      "load", load, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
-      "Peak force on each sleeper in addition to seat_force (load; jump: of the cycles that it "
-      "represents).");
+  s.number("load", load, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
+           "Peak force on each sleeper, positive downwards, in addition to seat_force (load; jump: "
+           "of the "
+           "cycles that it represents).");
   s.number("ramp", ramp, {.unit = "s", .at_least = 0},
            "Ramp time, at most half the duration; load: time of loading and of unloading; compact: "
            "time in which pressure and confinement change from those of the preceding stage; "
@@ -131,6 +132,9 @@ void Stage::declare_loads(input::Section& s) {
 void Stage::declare(input::Section& s) {
   declare_course(s), declare_bodies(s), declare_loads(s);
   constexpr double least = 100;  // N, smallest load that is relevant for a sleeper
+  for (const auto& [key, force] : {std::pair{"seat_force", seat_force}, {"load", load}})
+    s.rule(key, force >= 0, "lifts the sleepers: forces are positive downwards",
+           {.severity = input::Severity::warning, .reads = {key}});
   for (const auto& [key, force] : {std::pair{"seat_force", seat_force}, {"load", load}})
     s.rule(key, force == 0 || std::abs(force) >= least,
            fmt::format("is negligible for a rail seat (below {:g} N); is it in N?", least),

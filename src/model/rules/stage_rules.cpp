@@ -188,11 +188,17 @@ void declare_heights(const Model& model, input::Section& s) {
     const bool fills_later =
         std::any_of(model.stages.begin() + static_cast<std::ptrdiff_t>(i), model.stages.end(),
                     [](const Stage& later) { return later.kind == StageKind::cribs; });
+    constexpr double least = 0.25;  // of the height of the sleepers
     s.rule(fmt::format("stage[{}].profile", i),
-           !places || fills_later || stage.profile == 0 || stage.profile >= stage.height,
-           fmt::format("is below the lower faces of the sleepers (height = {:g} m): it removes "
-                       "the ballast below them; the top of the sleepers is at {:.4g} m",
-                       stage.height, stage.height + model.sleepers.height),
+           !places || fills_later || stage.profile == 0 ||
+               stage.profile >= stage.height + least * model.sleepers.height,
+           fmt::format("{} (height = {:g} m): it removes the ballast {}; the top of the sleepers "
+                       "is at {:.4g} m",
+                       stage.profile < stage.height ? "is below the lower faces of the sleepers"
+                                                    : "is hardly above the lower faces of the "
+                                                      "sleepers",
+                       stage.height, stage.profile < stage.height ? "below them" : "between them",
+                       stage.height + model.sleepers.height),
            {.severity = input::Severity::warning,
             .reads = {sleepers, fmt::format("stage[{}].profile", i), "sleepers"}});
     const double stone = model.bed.sieve.empty() ? 0 : 1e-3 * model.bed.sieve.back();  // mm

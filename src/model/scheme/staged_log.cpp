@@ -88,21 +88,21 @@ void say_stage_begins(RunContext& run, World& world, const Stage& stage) {
   const dem::Totals totals = world.particles.totals();
   const double bytes = comm.max(megabytes(world.memory()));
   const bool stones = world.model.has_stones();
-  say_values(
-      comm,
-      "stage {}: {}window {:.4g} s{} (determined by {}), at most {:.4g} s in {} windows; memory "
-      "{:.2g} MB per rank",
-      stage.name,
-      stones ? fmt::format("{} stone{} ({} piece{}), ", totals.particles,
-                           plural_ending(totals.particles), totals.pieces,
-                           plural_ending(totals.pieces))
-             : "",
-      course.clock.dt(),
-      stones ? fmt::format(" in {} sub-step{}", course.steps.substeps,
-                           plural_ending(course.steps.substeps))
-             : "",
-      course.steps.limit, static_cast<double>(course.clock.windows()) * course.clock.dt(),
-      course.clock.windows(), bytes);
+  const std::string step =
+      fmt::format("window {:.4g} s{}", course.clock.dt(),
+                  stones ? fmt::format(" in {} sub-step{}", course.steps.substeps,
+                                       plural_ending(course.steps.substeps))
+                         : "");
+  const std::string cause = fmt::format(" (determined by {})", course.steps.limit);
+  say_values(comm, "stage {}: {}{}{}, at most {:.4g} s in {} windows; memory {:.2g} MB per rank",
+             stage.name,
+             stones ? fmt::format("{} stone{} ({} piece{}), ", totals.particles,
+                                  plural_ending(totals.particles), totals.pieces,
+                                  plural_ending(totals.pieces))
+                    : "",
+             step, run.log.is_new_step(step + cause) ? cause : " as before",
+             static_cast<double>(course.clock.windows()) * course.clock.dt(),
+             course.clock.windows(), bytes);
   if (world.model.breakage.of_clumps())
     if (const std::int64_t weak = world.particles.weak_pebbles(); weak >= 0)
       say_values(comm, "  breakage: {} of {} pebbles can break off{}", weak, totals.pieces,

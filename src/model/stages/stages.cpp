@@ -261,6 +261,14 @@ std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
                                         "stage.friction"
                                       : "");
   }
+  // Without an aim of the deck; less is usual of a bed that carries a train.
+  constexpr double much = 0.5e-3;  // m
+  if (stage.kind == StageKind::load && settlement_.last() > much && stage.cycles > 1)
+    return fmt::format(
+        "the largest settlement of a sleeper in the last cycle is {:.3g} mm: the bed still settles "
+        "under this load (more than {:g} mm); give more cycles in a longer stage.duration, or "
+        "state what is required by stage.settlement",
+        1e3 * settlement_.last(), 1e3 * much);
   if (!ends_at_rest(stage)) return std::nullopt;
   const dem::Totals totals = world_.particles.totals();
   if (at_rest(totals, stage.until_ratio)) return std::string{};

@@ -20,8 +20,13 @@ bool is_multiple(double length, double of) {
   return ratio > 0.5 && std::abs(ratio - std::round(ratio)) < whole_multiple * ratio;
 }
 
-// N s/m, of a rail pad: our decks have 25e3 and more, which in kN s/m is below this.
-constexpr double usual_damping = 100;
+// Of rail pads and ballast: our decks have 25e3 N s/m and more, which in kN s/m is below this.
+void declare_small_damping(double damping, input::Section& s) {
+  constexpr double usual = 100;  // N s/m
+  s.rule("damping", damping == 0 || damping >= usual,
+         fmt::format("is small: usually at least {:g} N s/m; is it meant in kN s/m?", usual),
+         {.severity = input::Severity::warning, .reads = {"damping"}});
+}
 
 }  // namespace
 
@@ -55,10 +60,7 @@ void PadParameters::declare(input::Section& s) {
   s.rule("bilinear_stiffness", bilinear_at > 0 || bilinear_stiffness == 0,
          "has no effect with bilinear_at = 0",
          {.severity = input::Severity::warning, .reads = {"bilinear_at", "bilinear_stiffness"}});
-  s.rule(
-      "damping", damping == 0 || damping >= usual_damping,
-      fmt::format("is small: usually at least {:g} N s/m; is it meant in kN s/m?", usual_damping),
-      {.severity = input::Severity::warning, .reads = {"damping"}});
+  declare_small_damping(damping, s);
   s.rule("damping", bilinear_at == 0 || damping > 0,
          "leaves bilinear pads undamped: energy may increase in steps in which the compression "
          "passes bilinear_at",
@@ -74,6 +76,7 @@ void BallastParameters::declare(input::Section& s) {
            "Stiffness of the ballast below one rail seat.");
   s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e7},
            "Damping of the ballast below one rail seat.");
+  declare_small_damping(damping, s);
   s.number("mass", mass, {.unit = "kg", .at_least = 0, .usually_to = 5000},
            "Vibrating mass of the ballast below one rail seat; 0: massless ballast without a "
            "second spring.");
