@@ -14,6 +14,10 @@ import numpy as np
 from trackbed_post import axles, measured, panels, read, write
 
 AXES = ("history/time", "history/stage", "envelope/x", "envelope/place")
+# Components in the columns of a history, by the name of its axis (docs/postproc.md).
+TENSOR = ("xx", "yy", "zz", "xy", "xz", "yz")
+COMPONENTS = {"component": ("x", "y", "z"), "quaternion": ("x", "y", "z", "w"),
+              "stress_component": TENSOR, "cell_component": TENSOR}
 # SI unit, below which largest value (for factors below 1: from which on) another unit is drawn.
 SHORT = (("m", 0.1, 1e3, "mm"), ("m/s", 0.1, 1e3, "mm/s"), ("N", 1e3, 1e-3, "kN"),
          ("Pa", 1e6, 1e-6, "MPa"), ("Pa", 1e3, 1e-3, "kPa"))
@@ -52,7 +56,8 @@ def _sides(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _columns(item: h5py.Dataset, count: int) -> list[str]:
-    """A label for each column of a history: its place, its axle, or its name and number from 1."""
+    """A label for each column of a history: its place, axle or component, or its axis and number,
+    from 0 as --place counts."""
     if count == 1 or item.ndim < 2 or not item.dims[1].values():
         return [""] * count
     scale = item.dims[1].values()[0]
@@ -65,7 +70,10 @@ def _columns(item: h5py.Dataset, count: int) -> list[str]:
     if name == "wheel" and "x" in item.parent:
         twice = axles.on_two_rails(item.parent["x"][()].reshape(-1, count))
         return [panels.axle(k, twice) for k in range(count)]
-    return [f"{name} {k + 1}" for k in range(count)]
+    if parts := COMPONENTS.get(name):
+        cell = "cell {}, " if name == "cell_component" else ""
+        return [cell.format(k // len(parts)) + parts[k % len(parts)] for k in range(count)]
+    return [f"{name} {k}" for k in range(count)]
 
 
 def _read(path: pathlib.Path, name: str) -> tuple[np.ndarray, str, np.ndarray, str, list[str]]:

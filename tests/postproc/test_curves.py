@@ -78,6 +78,31 @@ def test_history_of_the_place_with_the_largest_range(run):
             curves.of_run(run, quantity, place)
 
 
+def test_columns_are_named_by_their_axis_or_component(tmp_path):
+    """As docs/postproc.md lists them; numbers count from 0, as --place does."""
+    tensors = np.arange(48.0).reshape(4, 12)
+    with h5py.File(tmp_path / "results.h5", "w") as file:
+        file.attrs.update({"deck": "", "version": "0", "ranks": 1})
+        file["history/time"] = X
+        file["history/time"].make_scale()
+        for name, axis, values in (("sensor/soil/stress", "stress_component", tensors[:, :6]),
+                                   ("region/below/stress", "cell_component", tensors),
+                                   ("platen/force", "component", tensors[:, :3]),
+                                   ("region/below/porosity", "cell", tensors[:, :2])):
+            file[f"history/{name}"] = values
+            columns = f"history/{name.rpartition('/')[0]}/{axis}"
+            file[columns] = np.arange(values.shape[1])
+            file[columns].make_scale()
+            file[f"history/{name}"].dims[0].attach_scale(file["history/time"])
+            file[f"history/{name}"].dims[1].attach_scale(file[columns])
+    for name, place, label in (("sensor/soil/stress", 4, "xz"), ("platen/force", 2, "z"),
+                               ("region/below/stress", 0, "cell 0, xx"),
+                               ("region/below/stress", 11, "cell 1, yz"),
+                               ("region/below/porosity", 1, "cell 1")):
+        curve = curves.of_run(tmp_path, f"history/{name}", place)
+        assert curve.name.partition(", ")[2] == label
+
+
 def test_published_curves_are_read_in_si_and_in_order(tmp_path):
     path = csv(tmp_path, "x_m,a_mm,b_kN\n2,1,5\n1,3,6\n")
     curve = curves.of_file(f"{path}:x_m:a_mm")
