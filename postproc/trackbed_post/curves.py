@@ -160,24 +160,27 @@ def _of_columns(path: pathlib.Path, names: list[str], table: np.ndarray, wanted:
     return Curve(name, x[order], units[0][1], y[order], units[1][1])
 
 
-def of_file(text: pathlib.Path | str) -> Curve:
+def of_file(text: pathlib.Path | str) -> Curves:
     """The Curve of FILE.csv:X:Y, two columns of a file with a line of names that end with their
-    units (x_m, time_s, z_mm); of a file with two columns, FILE.csv is enough."""
+    units (x_m, time_s, z_mm); of a file with two columns, FILE.csv is enough. All curves of a
+    curve.csv of this command."""
     path, wanted = _chosen(text)
-    names, table = measured.table_of(path)
-    wanted = wanted or names
-    if len(wanted) != 2 or set(wanted) - set(names):
-        raise read.Unreadable(f"{path} has the columns {', '.join(names)}: choose two with "
-                              f"{path}:X:Y")
-    return _of_columns(path, names, table, wanted, path.stem)
+    found = []
+    for name, (names, table) in measured.tables_of(path).items():
+        two = wanted or names
+        if len(two) != 2 or set(two) - set(names):
+            raise read.Unreadable(f"{path} has the columns {', '.join(names)}: choose two with "
+                                  f"{path}:X:Y")
+        found.append(_of_columns(path, names, table, two, name))
+    return found
 
 
 def columns_of(text: pathlib.Path | str) -> Curves:
     """As of_file; of a file with more than two columns, each over the first."""
     path, wanted = _chosen(text)
-    names, table = measured.table_of(path)
+    names, table = next(iter(measured.tables_of(path).values()))
     if wanted or len(names) <= 2:
-        return [of_file(text)]
+        return of_file(text)
     return [_of_columns(path, names, table, [names[0], name], f"{path.stem}, {name}")
             for name in names[1:]]
 
@@ -193,8 +196,11 @@ def deviation(curve: Curve, other: Curve) -> tuple[float, float, int] | None:
             int(inside.sum()))
 
 
-def as_csv(curves: Curves) -> str:
-    rows = ["curve,x,y"]
+def as_csv(curves: Curves, quantity: str) -> str:
+    """A row for each point: name of the curve, time or x, quantity, in SI units."""
+    along = "time" if curves[0].x_unit == "s" else "x"
+    rows = [",".join(["curve", measured.column_of(along, curves[0].x_unit),
+                      measured.column_of(quantity.rpartition("/")[2], curves[0].unit)])]
     rows += [f"{curve.name.replace(',', ';')},{x:.9g},{y:.9g}" for curve in curves
              for x, y in zip(curve.x, curve.y)]
     return "\n".join(rows) + "\n"
@@ -257,8 +263,8 @@ def draw_into(results: collections.abc.Sequence[pathlib.Path | str], folder: wri
     """Picture, table and CSV of a quantity of runs (their folders); `over`: texts for of_file();
     `shift` is added to x of those, m or s."""
     curves = of_runs(results, quantity, place)
-    others = [of_file(text) for text in over]
-    others = [dataclasses.replace(other, x=other.x + shift) for other in others]
+    others = [dataclasses.replace(other, x=other.x + shift)
+              for text in over for other in of_file(text)]
     for one in (*curves[1:], *others):
         if (one.x_unit, one.unit) != (curves[0].x_unit, curves[0].unit):
             raise read.Unreadable(
@@ -266,5 +272,5 @@ def draw_into(results: collections.abc.Sequence[pathlib.Path | str], folder: wri
                 + "; ".join(f"{each.name} has values in {each.unit} and x in {each.x_unit}"
                             for each in (one, curves[0])))
     folder.picture("curve", draw(curves, others, quantity))
-    folder.file("curve.csv", as_csv((*curves, *others)))
+    folder.file("curve.csv", as_csv((*curves, *others), quantity))
     folder.table("curve.txt", table_of(curves, others))

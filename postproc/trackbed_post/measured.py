@@ -47,8 +47,16 @@ class Signal:
         return 1 / float(np.mean(np.diff(self.time)))
 
 
+def column_of(name: str, unit: str) -> str:
+    """Name of a column with its SI unit: an ending of UNITS, or the unit in brackets."""
+    endings = [ending for ending, one in UNITS.items() if one == (1.0, unit)]
+    return name + (endings[0] if endings else f" ({unit})")
+
+
 def unit_of(name: str) -> tuple[float, str]:
-    """(factor to SI, SI unit) by the longest ending of the name that is known."""
+    """(factor to SI, SI unit) by the longest ending of the name that is known, or by brackets."""
+    if name.endswith(")") and " (" in name:
+        return 1.0, name.rpartition(" (")[2][:-1]
     for ending in sorted(UNITS, key=len, reverse=True):
         if name.endswith(ending):
             return UNITS[ending]
@@ -73,11 +81,40 @@ def _time_of(names: collections.abc.Sequence[str], path: pathlib.Path) -> str:
     return found[0]
 
 
+def tables_of(path: pathlib.Path) -> dict[str, tuple[list[str], np.ndarray]]:
+    """As table_of, by the names of curves: of a curve.csv, whose first column has these, a table
+    for each of them; of another file a single one."""
+    lines = lines_of(path)
+    if not lines[0].startswith("curve,") or len(lines) == 1:
+        return {path.stem: _table_in(lines, path)}
+    parts: dict[str, list[str]] = {}
+    for name, _, numbers in (line.partition(",") for line in lines[1:]):
+        parts.setdefault(name, [lines[0].removeprefix("curve,")]).append(numbers)
+    return {f"{path.stem}, {name}": _table_in(part, path) for name, part in parts.items()}
+
+
 def table_of(path: pathlib.Path) -> tuple[list[str], np.ndarray]:
     """(names, rows) of a CSV file whose first line has the names of its columns; commas between the
     columns, or semicolons, with points or commas in the numbers."""
+    return _table_in(lines_of(path), path)
+
+
+def lines_of(path: pathlib.Path) -> list[str]:
+    """At least one."""
     try:
-        head, *lines = path.read_text(encoding="utf-8-sig").splitlines() or [""]
+        return path.read_text(encoding="utf-8-sig").splitlines() or [""]
+    except (OSError, ValueError) as error:
+        raise _no_table(path, error) from None
+
+
+def _no_table(path: pathlib.Path, error: Exception) -> read.Unreadable:
+    return read.Unreadable(f"{path} cannot be read: {error}; a file has a line of names and rows "
+                           "of numbers, with commas or semicolons between the columns, in UTF-8")
+
+
+def _table_in(rows: list[str], path: pathlib.Path) -> tuple[list[str], np.ndarray]:
+    head, *lines = rows
+    try:
         between = ";" if ";" in head else ","
         names = [name.strip() for name in head.split(between)]
         if not any(line.strip() for line in lines):
@@ -85,10 +122,8 @@ def table_of(path: pathlib.Path) -> tuple[list[str], np.ndarray]:
         if between == ";":
             lines = [line.replace(",", ".") for line in lines]
         table = np.loadtxt(lines, delimiter=between, ndmin=2)
-    except (OSError, ValueError) as error:
-        raise read.Unreadable(f"{path} cannot be read: {error}; a file has a line of names and "
-                              "rows of numbers, with commas or semicolons between the columns, in "
-                              "UTF-8") from None
+    except ValueError as error:
+        raise _no_table(path, error) from None
     if table.shape[1] != len(names):
         raise read.Unreadable(f"{path} has {len(names)} names and {table.shape[1]} columns")
     return names, table

@@ -7,7 +7,7 @@ import conftest
 import h5py
 import numpy as np
 import pytest
-from trackbed_post import curves, read, sweep
+from trackbed_post import curves, measured, read, sweep
 
 X = np.array([0.0, 0.6, 1.2, 1.8])
 DOWN = np.array([-1e-3, -2e-3, -4e-3, -3e-3])
@@ -105,7 +105,7 @@ def test_columns_are_named_by_their_axis_or_component(tmp_path):
 
 def test_published_curves_are_read_in_si_and_in_order(tmp_path):
     path = csv(tmp_path, "x_m,a_mm,b_kN\n2,1,5\n1,3,6\n")
-    curve = curves.of_file(f"{path}:x_m:a_mm")
+    curve, = curves.of_file(f"{path}:x_m:a_mm")
     assert curve.x == pytest.approx([1, 2]) and curve.y == pytest.approx([3e-3, 1e-3])
     bad = tmp_path / "bad.csv"
     bad.write_text("x_m,a_mm\n1,nan\n2,3\n", encoding="utf-8")
@@ -138,13 +138,33 @@ def test_command_states_the_deviation(run, tmp_path):
     assert "minus published: root mean square 0.0007071 m" in ran.stdout
     assert "largest magnitude 0.001 m (2 of 2 points are in the common range)" in ran.stdout
     rows = (tmp_path / "out/curve.csv").read_text(encoding="utf-8").splitlines()
-    assert rows[0] == "curve,x,y" and len(rows) == 1 + len(X) + 2
+    assert rows[0] == "curve,x_m,least_m" and len(rows) == 1 + len(X) + 2
     assert (tmp_path / "out/curve.png").stat().st_size > 5000
     ran = conftest.call(*command)
     assert "have no common range" in ran.stdout
     csv(tmp_path, "time_s,down_mm\n1,2\n")
     ran = conftest.call(*command)
     assert ran.returncode == 2 and "has values in m and x in s" in ran.stderr
+
+
+def test_curves_of_the_command_can_be_given_to_it(run, tmp_path):
+    out, again = tmp_path / "out", tmp_path / "again"
+    command = ["curve", "history/rail/displacement", run, "-o"]
+    assert conftest.call(*command, out).returncode == 0
+    assert (out / "curve.csv").read_text(encoding="utf-8").startswith(
+        "curve,time_s,displacement_m\nrun; x = 30.6 m,0,")
+    ran = conftest.call(*command, again, "--place", "0", "--over", out / "curve.csv")
+    assert ran.returncode == 0, ran.stderr
+    # Half of that place.
+    assert "run, x = 30 m minus curve, run; x = 30.6 m: root mean square 0.002739 m" in ran.stdout
+    found = curves.columns_of(again / "curve.csv")
+    assert [one.name for one in found] == ["curve, run; x = 30 m", "curve, curve; run; x = 30.6 m"]
+    assert found[1].y == pytest.approx(2 * DOWN) and found[1].unit == "m"
+
+
+@pytest.mark.parametrize("unit", ["m", "1", "kg/m3", "N m", "rad/s"])
+def test_a_column_has_its_unit(unit):
+    assert measured.unit_of(measured.column_of("torque", unit)) == (1.0, unit)
 
 
 def test_mean_and_deviation_over_the_seeds(tmp_path):
