@@ -107,7 +107,8 @@ def _in_stage(path: pathlib.Path, name: str, stage: str) -> np.ndarray:
 def of_run(path: pathlib.Path | str, name: str, place: int = -1, stage: str = "") -> Curve:
     """The Curve of a dataset such as history/rail/displacement. `place`: number of its column (of
     an envelope on two rails 0 left, 1 right); -1 for the one with the largest range. `stage`: its
-    rows only, with the time since the first of them."""
+    rows only, with the time since the first of them; without it, all but read.rows_without_body.
+    """
     path = pathlib.Path(path)
     path = path / "results.h5" if path.is_dir() else path
     run = path.resolve().parent.name
@@ -119,6 +120,9 @@ def of_run(path: pathlib.Path | str, name: str, place: int = -1, stage: str = ""
     if stage:
         rows = _in_stage(path, name, stage)
         x, values = x[rows] - x[rows][0], values[rows]
+    elif name.startswith("history/"):
+        rows = ~read.rows_without_body(read.datasets(path), name)
+        x, values = x[rows], values[rows]
     kept = np.isfinite(values).all(axis=1)
     if not kept.any():
         raise read.Unreadable(f"{run}: {name} has no row with numbers")

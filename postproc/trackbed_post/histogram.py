@@ -29,11 +29,13 @@ class Choices:
 
 @dataclasses.dataclass(frozen=True)
 class Sample:
-    """Values of a run, SI; `name` for legends, `left_out`: how many were not numbers."""
+    """Values of a run, SI; `name` for legends, `left_out`: how many were not numbers, `without`:
+    stages that do not count, as there was no such body."""
     name: str
     values: np.ndarray
     unit: str
     left_out: int = 0
+    without: tuple[str, ...] = ()
 
 
 def _known(every: read.Quantities) -> list[str]:
@@ -54,13 +56,21 @@ def _contact_force_of(every: read.Quantities, deck: read.Deck, stage: str) -> st
 
 def _of_history(values: np.ndarray, dataset: str, every: read.Quantities, deck: read.Deck,
                 stage: str) -> np.ndarray:
-    """The rows [time, place] of a history, or those of the stage; nan for wheels of a track alone
-    that are not between its run-ins, where the program writes forces, too."""
+    """The rows [time, place] of a history with its body, or those of the stage; nan for wheels of a
+    track alone that are not between its run-ins, where the program writes forces, too."""
     if dataset.startswith("history/wheel/") and "history/stage" not in every and "track" in deck:
         between = track_figures.between_run_ins(every, deck["track"]["length"],
                                                 track_figures.run_in_of(deck))
         values = np.where(between, values, np.nan)
-    return values[read.rows_of_stage(every, deck, stage)] if stage else values
+    return values[read.rows_of_stage(every, deck, stage) if stage
+                  else ~read.rows_without_body(every, dataset)]
+
+
+def _stages_without_body(every: read.Quantities, deck: read.Deck, dataset: str) -> tuple[str, ...]:
+    rows = read.rows_without_body(every, dataset)
+    names = [str(one.get("name")) for one in deck.get("stage", [])]
+    return tuple(names[k] for k in np.unique(every["history/stage"].values[rows])) \
+        if rows.any() else ()
 
 
 def _changes(values: np.ndarray) -> np.ndarray:
@@ -76,12 +86,21 @@ def _values_of(every: read.Quantities, deck: read.Deck, dataset: str,
     values = values.reshape(len(values), -1).astype(float)
     if dataset.startswith("history/"):
         values = _of_history(values, dataset, every, deck, choices.stage)
+    elif values.shape[1] > 1 and choices.place is None:
+        raise read.Unreadable(f"{dataset} has {values.shape[1]} columns ({every[dataset].meaning}; "
+                              f"{every[dataset].unit}): choose one with --place, from 0")
     if choices.place is not None:
         if not 0 <= choices.place < values.shape[1]:
             raise read.Unreadable(f"--place {choices.place}: {dataset} has the places 0 to "
                                   f"{values.shape[1] - 1}")
         values = values[:, [choices.place]]
     return _changes(values) if choices.change and len(values) else values
+
+
+def _unit_of(units: str, place: int | None) -> str:
+    """That of a column, of a dataset that lists units; the last one counts for all further ones."""
+    each = units.split(", ")
+    return each[min(place or 0, len(each) - 1)]
 
 
 def sample_of(path: pathlib.Path, quantity: str, name: str, choices: Choices) -> Sample:
@@ -100,7 +119,10 @@ def sample_of(path: pathlib.Path, quantity: str, name: str, choices: Choices) ->
     if not len(kept):
         raise read.Unreadable(f"{name}: {dataset} has no numbers here")
     words = f"{name}, {dataset.split('/')[1]}" if quantity == CONTACT_FORCE else name
-    return Sample(words, kept, every[dataset].unit, values.size - len(kept))
+    without = () if choices.stage or not dataset.startswith("history/") else \
+        _stages_without_body(every, deck, dataset)
+    return Sample(words, kept, _unit_of(every[dataset].unit, choices.place),
+                  values.size - len(kept), without)
 
 
 def edges_of(samples: collections.abc.Sequence[Sample], bins: int) -> np.ndarray:
@@ -131,7 +153,9 @@ def draw(samples: collections.abc.Sequence[Sample], edges: np.ndarray, label: st
     if choices.log:
         share.set_yscale("log")
     share.set(ylabel=f"fraction of the values in each of\n{len(edges) - 1} bins, %",
-              title=f"{label} (thin: mean)")
+              title=f"{label} (thin: mean)"
+              + "\nwithout stages in which all histories of this group are zero" * any(
+                  one.without for one in samples))
     below.set(ylabel="fraction of the values up to x, %", xlabel=f"{label}, {unit}")
     for panel in (share, below):
         panel.grid(alpha=0.3)
@@ -157,8 +181,9 @@ def table_of(samples: collections.abc.Sequence[Sample], label: str) -> str:
                          for name, share in QUANTILES.items())
         lines.append(f"{one.name}: {len(one.values)} values, mean {one.values.mean():.4g}, "
                      f"standard deviation {one.values.std():.4g}, {ends}"
-                     + (f"; {one.left_out} values are left out"
-                        if one.left_out else ""))
+                     + (f"; {one.left_out} values are left out" if one.left_out else "")
+                     + (f"; without {', '.join(one.without)}, where all histories of this group "
+                        "are zero" if one.without else ""))
     return "\n".join(lines) + "\n"
 
 

@@ -217,7 +217,7 @@ def for_histogram(one: Command) -> None:
                      help="rows of the history in this stage, contact forces at its end; default: "
                      "all rows, the last stage")
     one.add_argument("--place", type=int, metavar="K",
-                     help="column of the dataset, counted from 0; default: all")
+                     help="column of the dataset, counted from 0; default: all, of a history")
     one.add_argument("--change", action="store_true",
                      help="of a history: counts the differences from the first number of each "
                      "column")

@@ -368,6 +368,25 @@ def rows_of_stage(every: Quantities, deck: Deck, stage: str) -> np.ndarray:
     return every["history/stage"].values == names.index(stage)
 
 
+# Groups of histories that are zero while there is no such body or, of the ground, while it is held.
+# Others are not numbers then.
+ZERO_WITHOUT_BODY = ("sleeper", "seat", "solid", "platen", "ground", "sensor")
+
+
+def rows_without_body(every: Quantities, name: str) -> np.ndarray:
+    """Which rows of a history are of stages in which all of its group is zero; none if these are
+    all stages."""
+    group = name.rpartition("/")[0] + "/"
+    if "history/stage" not in every or not group.startswith(
+            tuple(f"history/{body}/" for body in ZERO_WITHOUT_BODY)):
+        return np.zeros(len(every[name].values), dtype=bool)
+    stage = every["history/stage"].values
+    moved = np.any([(one.values.reshape(len(stage), -1) != 0).any(axis=1)
+                    for other, one in every.items() if other.startswith(group)], axis=0)
+    there = np.isin(stage, stage[moved])
+    return ~there & there.any()
+
+
 def checkpoint(path: pathlib.Path | str, stage: str = "") -> Quantities:
     """Every dataset of a checkpoint; of a folder, that at the end of the stage of this name, or the
     file named in its text file `latest`."""

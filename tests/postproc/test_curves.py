@@ -103,6 +103,18 @@ def test_columns_are_named_by_their_axis_or_component(tmp_path):
         assert curve.name.partition(", ")[2] == label
 
 
+def test_a_curve_leaves_out_stages_without_its_body(tmp_path):
+    with h5py.File(tmp_path / "results.h5", "w") as file:
+        file.attrs.update({"deck": "", "version": "0", "ranks": 1})
+        for name, values in (("history/time", X), ("history/stage", [0, 0, 1, 1]),
+                             ("history/platen/z", [0, 0, 0.4, 0.3])):
+            file[name] = values
+            file[name].attrs.update({"units": "m", "long_name": name})
+        file["history/time"].make_scale()
+        file["history/platen/z"].dims[0].attach_scale(file["history/time"])
+    assert curves.of_run(tmp_path, "history/platen/z").x == pytest.approx(X[2:])
+
+
 def test_published_curves_are_read_in_si_and_in_order(tmp_path):
     path = csv(tmp_path, "x_m,a_mm,b_kN\n2,1,5\n1,3,6\n")
     curve, = curves.of_file(f"{path}:x_m:a_mm")

@@ -91,7 +91,38 @@ def test_wheels_beyond_the_run_ins_of_a_track_alone_do_not_count(tmp_path):
     assert "one: 3 values, mean 3.667" in ran.stdout and "5 values are left out" in ran.stdout
 
 
+def test_stages_without_the_body_do_not_count(tmp_path):
+    """A platen that is there in the second stage only, zero in its first row."""
+    (tmp_path / "one").mkdir()
+    stage = np.repeat([0, 1, 2], 3)
+    z = np.array([0, 0, 0, 0, 0.3, 0.2, 0, 0, 0])
+    made.store(tmp_path / "one/results.h5", {
+        "history/time": (np.arange(9.0), "s"), "history/stage": (stage, "-"),
+        "history/platen/z": (z, "m"), "history/platen/pressure": (5 * z, "Pa"),
+        "history/traffic/cycles": (np.where(stage == 2, 1.0, 0.0), "-")},
+        deck="".join(f"[[stage]]\nname = '{name}'\n" for name in ("fill", "compact", "rest")),
+        version="0", ranks=1)
+    words = ("histogram", "history/platen/z", tmp_path / "one", "-o", tmp_path)
+    ran = conftest.call(*words)
+    assert ran.returncode == 0, ran.stderr
+    assert "one: 3 values, mean 0.1667" in ran.stdout
+    assert "without fill, rest, where all histories of this group are zero" in ran.stdout
+    assert "one: 3 values, mean 0," in conftest.call(*words, "--stage", "rest").stdout
+    words = ("histogram", "history/traffic/cycles", tmp_path / "one", "-o", tmp_path)
+    assert "one: 9 values" in conftest.call(*words).stdout  # zero is a number of cycles
+
+
+def test_a_column_of_a_table_has_its_own_unit(run, tmp_path):
+    words = ("histogram", "stones/load/sieved", run, "-o", tmp_path, "--place", "1")
+    assert conftest.call(*words).returncode == 0
+    assert counts(tmp_path)[0][0] == "from_kg"
+    words = ("histogram", "bed/grading", run, "-o", tmp_path, "--place", "3")
+    assert conftest.call(*words).returncode == 0
+    assert counts(tmp_path)[0][0] == "from_%"
+
+
 @pytest.mark.parametrize("words, problem", [
+    (("stones/load/sieved",), "has 2 columns (made for a test; m, kg): choose one with --place"),
     (("history/none",), "has no dataset history/none; it has contact_force and "),
     (("contact_force", "--stage", "lay"), "no contact forces of a stage lay; there are chains"),
     (("history/sleeper/velocity", "--stage", "lay"), "there is no stage lay; the stages are fill"),
