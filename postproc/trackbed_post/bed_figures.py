@@ -89,15 +89,18 @@ def grading(runs):
 
 
 def outline(run, y):
-    """z of the outline prescribed by the deck above each y, at the last stage that cuts the bed;
-    None without one."""
+    """z of the outline prescribed by the deck above each y: where the last stage with a profile cuts
+    the bed, at most the height to which it is compacted (unless a stage fills cribs, or with
+    layers, which have heights of their own); None without a profile."""
     bed = run.deck["bed"]
-    tops = [stage["profile"] for stage in run.deck.get("stage", []) if stage.get("profile", 0) > 0]
-    if not tops:
+    shaping = [stage for stage in run.deck.get("stage", []) if stage.get("profile", 0) > 0]
+    if not shaping:
         return None
     crest = bed.get("crest") or [-np.inf, np.inf]
-    return tops[-1] - np.maximum.reduce([np.zeros_like(y), crest[0] - y,
-                                         y - crest[1]]) / bed["slope"]
+    cut = shaping[-1]["profile"] - np.maximum.reduce([
+        np.zeros_like(y), crest[0] - y, y - crest[1]]) / bed["slope"]
+    filled = bed.get("layer") or any(stage.get("kind") == "cribs" for stage in shaping)
+    return cut if filled else np.minimum(cut, bed.get("height", np.inf))
 
 
 def profile(rows):
@@ -120,11 +123,12 @@ def section(runs):
         if axis == 1:
             panel.fill_between(places, low, high, color=colour, alpha=0.25, lw=0,
                                label="lowest to highest along the track")
-        panel.plot(places, mean, color=colour, label=f"{run.name}, end of {stage}: mean")
+        panel.plot(places, mean, color=colour, label=f"{run.name}, end of {stage}"
+                   + (", mean along the track" if axis == 1 else ""))
         asked = outline(run, places if axis == 1 else np.zeros_like(places))
         if asked is not None:
             panel.plot(places, np.maximum(asked, 0), "k--", lw=1,
-                       label="outline given in the input")
+                       label="outline given in the input (bed.height, profile of a stage)")
         panel.set_xlabel(("x along", "y across")[axis] + " the track (m)")
     panel.set_ylabel("top of the stones (m)")
     panel.grid(alpha=0.3)

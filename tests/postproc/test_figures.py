@@ -355,7 +355,11 @@ def test_section_is_across_the_track(runs):
     mean = axes.lines[0]
     assert mean.get_xdata() == pytest.approx([-1, 0])  # no stones at y = 1
     assert mean.get_ydata() == pytest.approx([0.2, 0.5])
-    assert "across" in axes.get_xlabel()
+    assert "across" in axes.get_xlabel() and mean.get_label().endswith("mean along the track")
+    plane = np.array(runs[0].surface["load"])[:2]
+    plane = dataclasses.replace(runs[0], surface={"load": plane})
+    axes = bed_on_ground.bed_figures.section([plane]).axes[0]
+    assert axes.lines[0].get_label() == "wedge, end of load" and "along" in axes.get_xlabel()
     bed_on_ground.plt.close("all")
 
 
@@ -364,6 +368,11 @@ def test_outline_slopes_down_beside_the_crest(runs):
     run = dataclasses.replace(runs[0], deck=deck)
     asked = bed_on_ground.bed_figures.outline(run, np.array([-0.7, 0.0, 0.9]))
     assert asked == pytest.approx([0.3, 0.4, 0.2])
+    deck["bed"]["height"] = 0.35  # compacted to less than the cut
+    y = np.array([-0.7, 0.0, 0.9])
+    assert bed_on_ground.bed_figures.outline(run, y) == pytest.approx([0.3, 0.35, 0.2])
+    deck["stage"].append({"kind": "cribs", "profile": 0.4})
+    assert bed_on_ground.bed_figures.outline(run, y) == pytest.approx([0.3, 0.4, 0.2])
     assert bed_on_ground.bed_figures.outline(
         dataclasses.replace(run, deck={"bed": {}, "stage": [{}]}), np.zeros(2)) is None
 
