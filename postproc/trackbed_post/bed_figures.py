@@ -3,6 +3,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from trackbed_post import measures, read
+from trackbed_post.panels import plain_ticks
 
 COLOURS = ("C0", "C1")
 
@@ -73,6 +74,7 @@ def grading(runs):
         panel.plot(sizes * 1e3, measures.passing(stones.sieved, sizes), color=colour, lw=1.5,
                    label=f"{run.name}, {len(sizes)} stones at the end of {stage}")
     panel.set_xscale("log")
+    plain_ticks(panel)
     if len(runs[0].grading):   # absent for stones of another run or of several layers
         opening, asked, least, most = runs[0].grading.T
         panel.plot(opening * 1e3, asked, "ko", ms=4, label="prescribed")
@@ -80,7 +82,6 @@ def grading(runs):
             panel.fill_between(opening * 1e3, least, most, color="0.8", zorder=0,
                                label=f"limits of {runs[0].deck['bed']['grading']}")
         panel.set_xticks(opening * 1e3, [f"{mm:g}" for mm in opening * 1e3])
-        panel.minorticks_off()
     panel.set_xlabel("sieve (mm)")
     panel.set_ylabel("passing (% of mass)")
     panel.grid(alpha=0.3)
@@ -89,8 +90,8 @@ def grading(runs):
 
 
 def outline(run, y):
-    """z of the outline prescribed by the deck above each y: where the last stage with a profile cuts
-    the bed, at most the height to which it is compacted (unless a stage fills cribs, or with
+    """z of the outline prescribed by the deck above each y: the cut of the last stage with a
+    profile, at most the height to which the bed is compacted (unless a stage fills cribs, or with
     layers, which have heights of their own); None without a profile."""
     bed = run.deck["bed"]
     shaping = [stage for stage in run.deck.get("stage", []) if stage.get("profile", 0) > 0]

@@ -76,6 +76,14 @@ def _columns(item: h5py.Dataset, count: int) -> list[str]:
     return [f"{name} {k}" for k in range(count)]
 
 
+def labels_of(path: pathlib.Path | str, name: str) -> list[str]:
+    """A label for each column of a history; empty where a history has one column, or no axis."""
+    path = pathlib.Path(path)
+    with h5py.File(path / "results.h5" if path.is_dir() else path, "r") as file:
+        item = file[name]
+        return _columns(item, item.size // max(len(item), 1))
+
+
 def _read(path: pathlib.Path, name: str) -> tuple[np.ndarray, str, np.ndarray, str, list[str]]:
     """(x, unit of x, values [x, column], unit, labels of the columns) of a dataset."""
     with h5py.File(path, "r") as file:

@@ -144,7 +144,8 @@ def for_vibration(one: Command) -> None:
     one.add_argument("quantity", help="a history such as sleeper/acceleration or wheel/force")
     one.add_argument("--place", type=int, default=-1,
                      help="column of the history (sleeper, wheel, ...), counted from 0, so that "
-                          "axle 1 is 0; default: the one with the largest standard deviation")
+                          "axle 1 is 0; default: of sleepers on a bed the middle one, otherwise "
+                          "that of the largest standard deviation")
     one.add_argument("--measured", default="", metavar="FILE[:COLUMN]", help="CSV, MAT or WAV")
     one.add_argument("--cut-off", type=float, default=100.0, metavar="HZ",
                      help="cut-off frequency of the low-pass filter of the time history; default: "

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullLocator
 from matplotlib.transforms import IdentityTransform, ScaledTranslation
 
 LINES = ("-", "--", "-.", ":")  # of runs in turn
@@ -24,6 +25,15 @@ def axle(wheel: int, two_rails: bool) -> str:
     """Name of the axle of a wheel, which is counted from 0; axles are counted from 1."""
     return f"axle {wheel // 2 + 1}, {('left', 'right')[wheel % 2]}" if two_rails \
         else f"axle {wheel + 1}"
+
+
+def plain_ticks(panel: Axes) -> None:
+    """Plain numbers along a logarithmic x axis, and enough of them over less than a decade."""
+    low, high = panel.get_xlim()
+    digits = (1, 2, 5) if high > 10 * low else (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
+    panel.xaxis.set_major_locator(LogLocator(subs=digits))
+    panel.xaxis.set_major_formatter("{x:g}")
+    panel.xaxis.set_minor_locator(NullLocator())
 
 
 def mark_ends(panel: Axes, line: Line2D, ends: np.ndarray, label: str) -> None:

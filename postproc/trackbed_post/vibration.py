@@ -9,9 +9,10 @@ import pathlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import axles, measured, panels, read, signals, track_figures, write
+from trackbed_post import axles, curves, measured, panels, read, signals, track_figures, write
 
 LEAST_ROWS = 32
+OF_SLEEPERS = ("sleeper/", "seat/", "rail/")
 STYLES = tuple({"color": f"C{k}", "ls": line} for k, line in enumerate(panels.LINES[:2]))
 
 
@@ -30,7 +31,9 @@ def between_run_ins(x: np.ndarray, folder: pathlib.Path | str) -> np.ndarray:
 
 
 def computed(folder: pathlib.Path | str, quantity: str, place: int) -> measured.Signal:
-    """The history; of wheels of a track alone, only between its run-ins."""
+    """The history; of wheels of a track alone, only between its run-ins. `place` -1: of sleepers on
+    a bed the middle one, since those at the ends are not judged, otherwise the one with the largest
+    standard deviation."""
     every = read.datasets(folder)
     quantity = quantity.removeprefix("history/")
     name = f"history/{quantity}"
@@ -53,7 +56,9 @@ def computed(folder: pathlib.Path | str, quantity: str, place: int) -> measured.
     on = np.ones(values.shape, dtype=bool)
     if quantity.startswith("wheel/") and "history/stage" not in every:
         on = between_run_ins(every["history/wheel/x"].values.reshape(len(kept), -1)[kept], folder)
-    if place < 0:
+    if place < 0 and "history/stage" in every and quantity.startswith(OF_SLEEPERS):
+        place = values.shape[1] // 2
+    elif place < 0:
         place = int(np.argmax([np.std(column[there]) if there.any() else -1
                                for column, there in zip(values.T, on.T)]))
     time, values = time[on[:, place]], values[on[:, place]]
@@ -64,11 +69,11 @@ def computed(folder: pathlib.Path | str, quantity: str, place: int) -> measured.
         raise read.Unreadable(f"the {len(time)} rows of {quantity} are unevenly spaced; give an "
                               "output.history_interval that is a multiple of the time step or "
                               "window")
-    where = f"place {place}"
+    where = curves.labels_of(folder, name)[place] or f"place {place}" * (values.shape[1] > 1)
     if quantity.startswith("wheel/"):
         x = every["history/wheel/x"].values
         where = panels.axle(place, axles.on_two_rails(x.reshape(len(x), -1)))
-    return measured.Signal(f"{pathlib.Path(folder).name}, {quantity}, {where}", time,
+    return measured.Signal(f"{pathlib.Path(folder).name}, {quantity}{', ' * bool(where)}{where}", time,
                            values[:, place], unit, ())
 
 
@@ -118,7 +123,9 @@ def draw(shown: collections.abc.Sequence[measured.Signal],
         history.plot(signal.time, low_pass(signal.time, moving.values), lw=0.8, label=signal.name,
                      **style)
         frequency, amplitude = signals.spectrum(signal.time, moving.values)
-        lines.semilogx(frequency[1:], signals.levels(amplitude[1:] / np.sqrt(2), unit), lw=0.8,
+        resolved = frequency * len(signal.time) >= signal.rate * (1 - signals.EVEN_STEP)
+        lines.semilogx(frequency[resolved],
+                       signals.levels(amplitude[resolved] / np.sqrt(2), unit), lw=0.8,
                        label=signal.name, **style)
         middle, band = signals.third_octaves(signal.time, signal.values)
         if len(middle):
@@ -128,6 +135,8 @@ def draw(shown: collections.abc.Sequence[measured.Signal],
               ylabel=f"root mean square of a line,\ndB re {signals.REFERENCES[unit]:g} {unit}")
     bands.set(xlabel="midband frequency, Hz", xscale="log",
               ylabel=f"third octaves, dB re {signals.REFERENCES[unit]:g} {unit}")
+    panels.plain_ticks(lines)
+    panels.plain_ticks(bands)
     for panel in (history, lines, bands):
         panel.grid(alpha=0.3)
         panel.legend(fontsize=8)
@@ -151,7 +160,7 @@ def table_of(shown: collections.abc.Sequence[measured.Signal]) -> str:
 def draw_into(results: pathlib.Path | str, folder: write.Folder, quantity: str, place: int = -1,
               other: str = "", cut_off: float = 100.0) -> None:
     """Picture and tables of a history such as sleeper/acceleration of one run (its folder);
-    `place`: number of its column, -1 for the one with the largest root mean square; `other`:
+    `place`: number of its column, -1 as for computed(); `other`:
     FILE[:COLUMN] of a measured signal (measured.py); `cut_off`, Hz, of the low pass."""
     if not cut_off > 0:
         raise read.Unreadable(f"--cut-off {cut_off:g}: must be above 0 Hz")

@@ -350,6 +350,14 @@ def test_breaks_are_counted_by_sleeper(runs):
     assert (list(near), list(below), list(edges)) == ([2, 2], [2, 1], [1, 0])
 
 
+def test_sieves_without_prescription_have_plain_numbers(runs):
+    axes = bed_on_ground.bed_figures.grading([dataclasses.replace(
+        runs[0], grading=np.empty((0, 4)))]).axes[0]
+    axes.figure.canvas.draw()
+    assert {"30", "40"} <= {tick.get_text() for tick in axes.get_xticklabels()}
+    bed_on_ground.plt.close("all")
+
+
 def test_section_is_across_the_track(runs):
     axes = bed_on_ground.bed_figures.section(runs[:1]).axes[0]
     mean = axes.lines[0]

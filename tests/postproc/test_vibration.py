@@ -2,6 +2,7 @@
 import types
 
 import conftest
+import h5py
 import numpy as np
 import pytest
 import scipy.io
@@ -177,6 +178,36 @@ def test_figure_and_table_show_the_strongest_place_beside_a_measurement(run):
     command[2] = "body/roll"
     ran = conftest.call(*command)
     assert ran.returncode == 2 and "is in rad" in ran.stderr
+
+
+def test_the_middle_sleeper_of_a_bed_is_the_default(tmp_path):
+    """Also if one at the end of the bed moves more; the label is that of `curve`."""
+    values = np.sin(2 * np.pi * 20 * TIME)[:, None] * [9.0, 1.0, 2.0]
+    path = tmp_path / "results.h5"
+    store(path, {"history/time": (TIME, "s"), "history/stage": (0 * TIME, "-"),
+                 "history/sleeper/acceleration": (values, "m/s2"),
+                 "history/body/acceleration": (values[:, 0], "m/s2"),
+                 "history/sleeper/x": ([0.6, 1.2, 1.8], "m")},
+          version="0", ranks=1, deck="[[stage]]\nname = 'train'\nkind = 'passage'\n")
+    with h5py.File(path, "r+") as file:
+        file["history/sleeper/x"].make_scale()
+        file["history/sleeper/acceleration"].dims[1].attach_scale(file["history/sleeper/x"])
+    signal = vibration.computed(tmp_path, "sleeper/acceleration", -1)
+    assert signal.name.endswith("sleeper/acceleration, x = 1.2 m")
+    assert signal.values.max() == pytest.approx(1, rel=0.01)
+    assert vibration.computed(tmp_path, "sleeper/acceleration", 0).name.endswith("x = 0.6 m")
+    assert vibration.computed(tmp_path, "body/acceleration", -1).name.endswith("body/acceleration")
+
+
+def test_axes_begin_at_the_length_of_the_record_and_have_plain_numbers():
+    signal = measured.Signal("short", TIME[:700], np.sin(300 * TIME[:700]), "m/s2", ())
+    _, lines, bands = vibration.draw([signal], signals.LowPass()).axes
+    assert lines.lines[0].get_xdata()[0] == pytest.approx(1 / 0.7, abs=0.05)
+    for panel in (lines, bands):
+        panel.figure.canvas.draw()
+        inside = [tick.get_text() for tick in panel.get_xticklabels()
+                  if panel.get_xlim()[0] <= tick.get_position()[0] <= panel.get_xlim()[1]]
+        assert {"20", "50", "100", "200"} <= set(inside)
 
 
 def test_only_the_last_passage_counts(run, monkeypatch):
