@@ -171,14 +171,6 @@ def weighting_wb(frequency: np.ndarray) -> np.ndarray:
     return _weighting(frequency, (16, 0.63), ((2.5, 0.8), (4, 0.8)), 0.4)
 
 
-def weighted_rms(time: np.ndarray, acceleration: np.ndarray,
-                 weighting: collections.abc.Callable[[np.ndarray], np.ndarray] = weighting_wk
-                 ) -> float:
-    """Root mean square of the weighted acceleration, m/s2."""
-    frequency, energy = energies(time, acceleration)
-    return float(np.sqrt(np.sum(energy * weighting(frequency)**2)))
-
-
 def _even_step(time: np.ndarray) -> float:
     dt = step_of(time)
     if dt is None:
@@ -200,6 +192,13 @@ def weighted(time: np.ndarray, acceleration: np.ndarray,
     moving = np.concatenate([acceleration - np.mean(acceleration), np.zeros(len(time))])
     lines = np.fft.rfft(moving) * weighting(np.fft.rfftfreq(len(moving), dt))
     return np.fft.irfft(lines, len(moving))[:len(time)]
+
+
+def weighted_rms(time: np.ndarray, acceleration: np.ndarray,
+                 weighting: collections.abc.Callable[[np.ndarray], np.ndarray] = weighting_wk
+                 ) -> float:
+    """Root mean square of the weighted acceleration, m/s2, over the record."""
+    return float(np.sqrt(np.mean(weighted(time, acceleration, weighting)**2)))
 
 
 def transient(time: np.ndarray, acceleration: np.ndarray) -> tuple[float, float]:

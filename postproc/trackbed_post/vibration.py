@@ -69,12 +69,13 @@ def computed(folder: pathlib.Path | str, quantity: str, place: int) -> measured.
         raise read.Unreadable(f"the {len(time)} rows of {quantity} are unevenly spaced; give an "
                               "output.history_interval that is a multiple of the time step or "
                               "window")
-    where = curves.labels_of(folder, name)[place] or f"place {place}" * (values.shape[1] > 1)
+    alone = values.shape[1] == 1
+    where = curves.labels_of(folder, name)[place] or ("" if alone else f"place {place}")
     if quantity.startswith("wheel/"):
         x = every["history/wheel/x"].values
         where = panels.axle(place, axles.on_two_rails(x.reshape(len(x), -1)))
-    return measured.Signal(f"{pathlib.Path(folder).name}, {quantity}{', ' * bool(where)}{where}", time,
-                           values[:, place], unit, ())
+    label = ", ".join(filter(None, (pathlib.Path(folder).name, quantity, where)))
+    return measured.Signal(label, time, values[:, place], unit, ())
 
 
 def numbers(signal: measured.Signal) -> dict[str, tuple[float, str]]:

@@ -90,6 +90,9 @@ def test_transient_vibration_and_dose():
     assert dose == pytest.approx(factor * (3 * 3 / 8)**0.25, rel=0.01)
     short = signals.transient(time[:250], shaking[:250])[0]
     assert short == pytest.approx(0.1 * factor / np.sqrt(2), rel=0.05)
+    # Of a passage that ends within a second: the same acceleration, not tapered, over all of it.
+    bump = time[:250], np.sin(2 * np.pi * 8 * time[:250]) * np.linspace(0, 1, 250)
+    assert signals.transient(*bump)[0] == pytest.approx(signals.weighted_rms(*bump), rel=1e-9)
     found = vibration.numbers(measured.Signal("car", time, shaking, "m/s2", ()))
     assert found["largest weighted (Wk) root mean square in 1 s, MTVV"] == (largest, "m/s2")
     assert found["vibration dose value (Wk), VDV"] == (dose, "m/s1.75")
