@@ -41,10 +41,16 @@ def drawn(given, origin):
 
 
 def figures(given):
-    """figures and a table of numbers of one run, or of several side by side"""
+    """all figures of a run and tables of its numbers; several runs are drawn as by compare"""
     over = overlays.Overlays(given.laid)
     print_folders(kinds.draw_figures(given.results, given.output, given.kind, given.format, over))
     over.require_drawn()
+
+
+def compare(given):
+    """figures and tables of two runs in the same pictures; of several, the first beside each other
+    one, or a folder for each run where this is not possible"""
+    figures(given)
 
 
 def film(given):
@@ -179,7 +185,7 @@ def list_datasets(given):
 # Name -> (what it does, its options).
 COMMANDS = {
     "figures": (figures, options.for_figures),
-    "compare": (figures, options.for_figures),
+    "compare": (compare, options.for_figures),
     "report": (write_report, options.for_report),
     "film": (film, options.for_film),
     "still": (draw_still, options.for_still),

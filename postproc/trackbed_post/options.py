@@ -25,7 +25,7 @@ def writes(one: Command, what: str) -> None:
 
 def takes_program(one: Command) -> None:
     one.add_argument("--program", type=pathlib.Path, metavar="TRACKBED",
-                     help="default: build/release/trackbed, or that on the PATH")
+                     help="the program; default: build/release/trackbed, or that on the PATH")
 
 
 def lays_over(one: Command) -> None:
@@ -71,8 +71,9 @@ def for_figures(one: Command) -> None:
     takes_runs(one)
     draws(one)
     one.add_argument("--kind", choices=kinds.KINDS, default="",
-                     help="draw only figures of this kind; default: the kinds that suit the "
-                     "deck of the first run")
+                     help="draw only figures of this kind; bed_below_train: those of bed without "
+                     "the ones that show the end of a stage, when the train has left; default: "
+                     "the kinds that suit the deck of the first run")
 
 
 def for_report(one: Command) -> None:
@@ -134,8 +135,8 @@ def for_map(one: Command) -> None:
     one.add_argument("--time", type=arguments.finite, metavar="S",
                      help="the nearest instant of a run is drawn; default: the last")
     one.add_argument("--relative-to", type=arguments.finite, metavar="S",
-                     help="draws the change since the nearest earlier instant, of stones also "
-                     "their displacement")
+                     help="draws the change since the instant nearest to S, which must be before "
+                     "that of --time; of stones also their displacement")
     draws(one)
 
 
@@ -229,7 +230,7 @@ def for_histogram(one: Command) -> None:
 
 
 def for_sweep(one: Command) -> None:
-    one.add_argument("deck", type=pathlib.Path)
+    one.add_argument("deck", type=pathlib.Path, help="input file that is run (TOML)")
     one.add_argument("--vary", nargs="+", action="append", required=True,
                      metavar=("PARAMETER", "VALUE"), help="may be given several times; of a deck "
                      "before NAME:PARAMETER, with the name of its file")
@@ -238,11 +239,13 @@ def for_sweep(one: Command) -> None:
                      help="runs this deck first and gives its folder, or the end of its stage, to "
                      "the parameter (bed.cell, start) of the next deck; may be given several "
                      "times, in order")
-    one.add_argument("--ranks", type=int, default=1)
+    one.add_argument("--ranks", type=int, default=1, help="MPI ranks of each run; default: 1")
     takes_program(one)
     one.add_argument("--quantity", default="",
                      help="draw this dataset, e.g. envelope/rail/displacement_min")
-    one.add_argument("--place", type=int, default=-1)
+    one.add_argument("--place", type=int, default=-1,
+                     help="number of the column of --quantity, from 0; default: that of the "
+                     "largest range in the first run")
     one.add_argument("--stage", default="", metavar="NAME",
                      help="draws its rows only, over the time since it began")
     draws(one)

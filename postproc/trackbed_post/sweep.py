@@ -224,6 +224,14 @@ def flat(tree, path=""):
     return found
 
 
+def words_of(path):
+    """Meaning and unit of a number of summary.json in energy or coupling."""
+    group, _, name = path.partition(".")
+    words = name.removesuffix("_j").replace("_", " ")
+    return f"{words} energy at the end of the run, summary.json (J)" if group == "energy" else \
+        f"relative error of the {words} between the models, summary.json (1)"
+
+
 def numbers_of(folder):
     """Name -> number of a run: those of its figures, and balances and energies of summary.json."""
     found = {}
@@ -240,7 +248,8 @@ def numbers_of(folder):
         rows = train_figures.numbers(train_figures.Passing(read.results(folder), every))
         found |= {f"{name} ({unit})": float(value) for name, (value, unit) in rows.items()}
     summary = flat(read.summary(folder))
-    return found | {name: value for name, value in summary.items() if name.startswith(RESULTS)}
+    return found | {words_of(name): value for name, value in summary.items()
+                    if name.startswith(RESULTS)}
 
 
 def grouped(done):

@@ -190,6 +190,27 @@ def test_mean_and_deviation_over_the_seeds(tmp_path):
     assert rows[0] == '"bed.seed","speed","force (kN)","steps"' and rows[2] == '"1","6",10,7'
 
 
+def test_numbers_of_the_summary_have_words_and_units(run):
+    (run / "summary.json").write_text(json.dumps({
+        "energy": {"track_j": 2.0}, "coupling": {"work": 1e-9}, "windows": 5}), encoding="utf-8")
+    with h5py.File(run / "results.h5", "r+") as file:
+        file.attrs["deck"] = ""
+    assert sweep.numbers_of(run) == {
+        "track energy at the end of the run, summary.json (J)": 2.0,
+        "relative error of the work between the models, summary.json (1)": 1e-9}
+
+
+def test_help_explains_the_options():
+    ran = [" ".join(conftest.call(name, "--help").stdout.split()) for name in
+           ("sweep", "figures", "compare", "map")]
+    for word in ("MPI ranks of each run", "the program; default", "column of --quantity",
+                 "input file that is run"):
+        assert word in ran[0]
+    assert "all figures of a run" in ran[1] and "bed_below_train: those of bed without" in ran[1]
+    assert "the first beside each other one" in ran[2] and "all figures of" not in ran[2]
+    assert "nearest to S, which must be before" in ran[3]
+
+
 def test_band_of_a_sweep(tmp_path, monkeypatch):
     done = sweep.cases({"bed.seed": ["1", "2"]}, tmp_path)
     found = [curves.Curve(f"{k}, x = 3 m", X, "s", (k + 1) * DOWN, "m") for k in range(2)]
