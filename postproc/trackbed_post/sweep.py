@@ -5,6 +5,7 @@ A combination has a folder of its own. A second call leaves finished runs alone 
 that were stopped. A combination can be a chain: runs of other decks come before, each of which
 hands its state to the next one; combinations with the same values of an earlier run share it.
 """
+import contextlib
 import dataclasses
 import itertools
 import json
@@ -228,8 +229,8 @@ def words_of(path):
     """Meaning and unit of a number of summary.json in energy or coupling."""
     group, _, name = path.partition(".")
     words = name.removesuffix("_j").replace("_", " ")
-    return f"{words} energy at the end of the run, summary.json (J)" if group == "energy" else \
-        f"relative error of the {words} between the models, summary.json (1)"
+    return f"energy at the end of the run, {words} (J)" if group == "energy" else \
+        f"relative error of the {words} between the models (1)"
 
 
 def numbers_of(folder):
@@ -243,7 +244,8 @@ def numbers_of(folder):
                                      track_figures.run_in_of(deck))
         found |= {f"{name} ({unit})": float(value) for name, (value, unit) in rows.items()}
     if "transition" in kinds:
-        found |= transition.numbers(folder)
+        with contextlib.suppress(read.Unreadable):  # as a bed without a structure, or a short one
+            found |= transition.numbers(folder)
     if "train" in kinds:
         rows = train_figures.numbers(train_figures.Passing(read.results(folder), every))
         found |= {f"{name} ({unit})": float(value) for name, (value, unit) in rows.items()}

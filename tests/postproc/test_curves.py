@@ -196,8 +196,17 @@ def test_numbers_of_the_summary_have_words_and_units(run):
     with h5py.File(run / "results.h5", "r+") as file:
         file.attrs["deck"] = ""
     assert sweep.numbers_of(run) == {
-        "track energy at the end of the run, summary.json (J)": 2.0,
-        "relative error of the work between the models, summary.json (1)": 1e-9}
+        "energy at the end of the run, track (J)": 2.0,
+        "relative error of the work between the models (1)": 1e-9}
+
+
+def test_a_short_bed_below_a_train_has_no_numbers_of_a_transition(run, monkeypatch):
+    def refuse(_):
+        raise read.Unreadable("4 sleepers")
+
+    monkeypatch.setattr(sweep, "of_deck", lambda _: ["transition"])
+    monkeypatch.setattr(sweep.transition, "numbers", refuse)
+    assert sweep.numbers_of(run) == {}
 
 
 def test_help_explains_the_options():
