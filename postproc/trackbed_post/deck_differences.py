@@ -2,7 +2,8 @@
 
 Tables of a list have their name in the key (ground.block.wedge.present), or their number from 1. Of
 a table that a run does not have at all there is one row, which lists its values. A list with tables
-in another order has a row with the order: later blocks overrule earlier ones.
+in another order has a row with the order: later blocks overrule earlier ones. An effective deck
+holds default values of sections that nobody gave: those that the stages do not use count as absent.
 """
 import collections.abc
 import os
@@ -16,9 +17,31 @@ LONGEST = 100                 # letters of a value
 BEFORE = 30                   # of these before the first letter that differs
 
 
+def _has_stage(**wanted: object) -> collections.abc.Callable[[read.Deck], bool]:
+    """Whether a deck has a stage with these values."""
+    return lambda deck: any(all(stage.get(key) == value for key, value in wanted.items())
+                            for stage in deck["stage"])
+
+
+# What makes a deck with stages use a section; sections that are not listed count always.
+USED = dict.fromkeys(("train", "vehicle", "track", "seat", "ballast", "under_sleeper_pad",
+                      "wheel_rail", "irregularity", "irregularity_right", "passage"),
+                     _has_stage(train=True)) | {
+    "load": _has_stage(kind="passage", train=False), "tamping": _has_stage(kind="tamp"),
+    "jump": _has_stage(kind="jump"), "footing": lambda deck: False,
+    "handover": lambda deck: bool(deck["handover"].get("after"))}
+
+
+def used(deck: read.Deck) -> read.Deck:
+    """The deck without the sections that its stages do not use."""
+    return deck if not deck.get("stage") else {
+        key: value for key, value in deck.items() if key not in USED or USED[key](deck)}
+
+
 def rows(decks: collections.abc.Sequence[read.Deck]) -> list[list[str]]:
-    """[key, value of each deck] of all keys whose values are not the same in all decks."""
-    return list(_differing("", list(decks)))
+    """[key, value of each deck] of all keys that are used and whose values are not the same in all
+    decks."""
+    return list(_differing("", [used(deck) for deck in decks]))
 
 
 def _differing(before: str, tables: list[typing.Any]) -> collections.abc.Iterator[list[str]]:

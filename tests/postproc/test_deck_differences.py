@@ -33,6 +33,23 @@ def test_a_row_for_each_key_that_differs(change, expected):
     assert deck_differences.rows([DECK, DECK]) == []
 
 
+def test_sections_without_use_count_as_absent():
+    """Default values of what nobody computes; two decks without a train do not differ by one."""
+    with_train = {"train": {"speed": 60}, "load": {"peak": 1}, "jump": {"cycles": 2},
+                  "handover": {"after": "bed_in", "rounds": 3}, "footing": {"count": 1},
+                  "stage": [{"name": "pass", "kind": "passage", "train": True}]}
+    without = {"train": {"speed": 50}, "load": {"peak": 2}, "jump": {"cycles": 3},
+               "handover": {"after": "", "rounds": 4}, "footing": {"count": 2},
+               "stage": [{"name": "pass", "kind": "passage", "train": False}]}
+    assert deck_differences.rows([with_train, without]) == [
+        ["train", "speed = 60", "-"], ["handover", "after = bed_in, rounds = 3", "-"],
+        ["stage.pass.train", "true", "false"], ["load", "-", "peak = 2"]]
+    assert deck_differences.rows([without, without | {"train": {"speed": 70}}]) == []
+    track = {"model": "track", "train": {"speed": 50}}
+    assert deck_differences.rows([track, track | {"train": {"speed": 70}}]) == [
+        ["train.speed", "50", "70"]]
+
+
 def test_another_order_has_a_row():
     first = {"ground": {"block": [{"name": "wedge", "young": 1}, {"name": "slab"}]},
              "stage": [{"name": "load"}, {"name": "train"}]}
