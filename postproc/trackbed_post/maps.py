@@ -112,6 +112,8 @@ def draw(layers, title, choices, unit):
               xlim=(window[0] - margin, window[1] + margin),
               ylim=(window[2] - margin, window[3] + margin))
     panel.set_title(title, loc="left", fontsize=9)
+    if "stress" in (choices.array or "") and "shear" not in f"{choices.array}":
+        words += ", tension positive"
     figure.colorbar(drawn, ax=panel, label=words, **style)
     return figure
 

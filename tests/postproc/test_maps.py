@@ -211,6 +211,15 @@ def test_arrows_are_the_data(run):
     plt.close(figure)
 
 
+@pytest.mark.parametrize("array, component, label", [
+    ("stress_change", "zz", "m, tension positive"),  # any unit
+    ("displacement", "z", "m")])
+def test_the_sign_of_stresses_is_stated(run, array, component, label):
+    figure, _ = drawn(run, array=array, component=component)
+    assert figure.axes[1].get_ylabel() == label
+    plt.close(figure)
+
+
 def test_arrows_end_where_few_are_longer():
     at = np.stack([np.arange(200.0), np.zeros(200)], 1)
     values = np.ones((200, 3)) * [0, 0, 3]
