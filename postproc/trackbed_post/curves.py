@@ -260,8 +260,8 @@ def draw(curves: Curves, others: Curves, quantity: str) -> plt.Figure:
         panel.plot(curve.x, factor * curve.y, panels.LINES[number % len(panels.LINES)], lw=1,
                    label=curve.name)
     for number, other in enumerate(others):
-        panel.plot(other.x, factor * other.y, panels.MARKERS[number % len(panels.MARKERS)], ms=4,
-                   mfc="none", color="k", label=other.name)
+        panel.plot(other.x, factor * other.y, color="k", label=other.name,
+                   **panels.measured_look(len(other.x), number))
     panel.set(xlabel="time, s" if curves[0].x_unit == "s" else f"x, {curves[0].x_unit}",
               ylabel=f"{quantity}, {unit}")
     panel.grid(alpha=0.3)

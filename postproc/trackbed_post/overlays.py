@@ -18,7 +18,6 @@ UNITS = {ending[1:].replace("_", "/"): si for ending, si in measured.UNITS.items
 STATED = re.compile(r"[,(]\s*(" + "|".join(map(re.escape, sorted(UNITS, key=len, reverse=True)))
                     + r")(?![\w/])")
 ANY = re.compile(r"[,(]([^,()]*)")  # where a label states a unit
-DENSE = 100  # points of a curve; with more it is a dotted line
 
 
 @dataclasses.dataclass(frozen=True)
@@ -100,10 +99,8 @@ def draw_curve(curve: curves.Curve, panel: Axes, number: int) -> Line2D:
                               f"figure, {low:.4g} to {high:.4g}: "
                               f"{figure_csv.axis_label(panel, 'x')}")
     limits, outside = panel.get_xlim(), (x < low) | (x > high)
-    look = {"ls": ":", "lw": 1.6} if len(x) > DENSE else \
-        {"ls": "", "marker": panels.MARKERS[number % len(panels.MARKERS)], "ms": 4.5, "mfc": "none"}
     line, = panel.plot(x, np.where(outside, np.nan, y), color="k", zorder=4, label=curve.name,
-                       **look)
+                       **panels.measured_look(len(x), number))
     panel.set_xlim(limits)
     return line
 

@@ -12,6 +12,7 @@ from matplotlib.transforms import IdentityTransform, ScaledTranslation
 
 LINES = ("-", "--", "-.", ":")  # of runs in turn
 MARKERS = "osv^DP*X"            # of measured curves, or of axles, in turn
+DENSE = 100                     # points of a measured curve; with more it is a dotted line
 UP = "mm, up positive"  # of displacements on axes; docs/postproc.md states what is down positive
 LETTER = 0.55           # mean width of a letter, as a part of the size of letters
 HANDLE = 4.8            # of this size: width of line and gaps of a column of a legend
@@ -25,6 +26,12 @@ def axle(wheel: int, two_rails: bool) -> str:
     """Name of the axle of a wheel, which is counted from 0; axles are counted from 1."""
     return f"axle {wheel // 2 + 1}, {('left', 'right')[wheel % 2]}" if two_rails \
         else f"axle {wheel + 1}"
+
+
+def measured_look(points: int, number: int) -> dict[str, object]:
+    """Markers of a measured curve, other ones for each number; of many points a dotted line."""
+    return {"ls": ":", "lw": 1.6} if points > DENSE else \
+        {"ls": "", "marker": MARKERS[number % len(MARKERS)], "ms": 4.5, "mfc": "none"}
 
 
 def plain_ticks(panel: Axes) -> None:

@@ -142,6 +142,13 @@ def test_deviation_is_that_at_the_other_points():
     assert curves.deviation(line, apart) is None
 
 
+def test_a_curve_of_many_points_is_a_line():
+    few, many = (curves.Curve("file", np.arange(float(n)), "s", np.arange(float(n)), "m")
+                 for n in (4, 2000))
+    lines = curves.draw([few], [few, many], "history/rail/displacement").axes[0].lines
+    assert [line.get_linestyle() for line in lines[1:]] == ["None", ":"]
+
+
 def test_command_states_the_deviation(run, tmp_path):
     path = csv(tmp_path, "x_m,down_mm\n10.6,-2\n11.2,-5\n")
     command = ["curve", "envelope/rail/least", run, "-o", tmp_path / "out", "--over", path]
