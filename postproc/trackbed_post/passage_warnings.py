@@ -74,17 +74,23 @@ def _of_wheels_on_track(every: read.Quantities, deck: read.Deck,
     if not share:
         return []
     where = _stretch(x[off]) if off.any() else "between the rows of the histories"
+    return [f"wheels are off the rail in {_percent(share)} % of the {counted(deck)}; {where}; "
+            f"{MEANT}"]
+
+
+def counted(deck: read.Deck) -> str:
+    """Of which time `share_of_wheels` is a part, in words."""
     track = deck["track"]
     run_ins = track.get("support") != "none" and track.get("run_in", 0) > 0
-    return [f"wheels are off the rail in {_percent(share)} % of their time on the track, {where}; "
-            f"the share is that of all wheels{' and includes the run-ins' if run_ins else ''}; "
-            f"{MEANT}"]
+    return "time of all wheels on the track" + (", run-ins included" if run_ins else "")
 
 
 def share_of_wheels(every: read.Quantities, deck: read.Deck,
                     summary: dict[str, typing.Any]) -> float:
     """Part of their time on the track that wheels are off the rail, as the warning of the program
     counts it: of all steps if summary.json states their number, otherwise of the rows."""
+    if "history/wheel/force" not in every:
+        return 0.0
     x, force = (_columns(every[f"history/wheel/{name}"]) for name in ("x", "force"))
     there = (x >= 0) & (x <= deck["track"]["length"])
     count = np.count_nonzero(there)

@@ -239,9 +239,7 @@ def numbers_of(folder):
     every, deck = read.datasets(folder), read.origin(folder)[1]
     kinds = of_deck(deck)
     if "track" in kinds:
-        rows = track_figures.numbers(every, deck["track"]["length"],
-                                     track_figures.extremes_of(folder),
-                                     track_figures.run_in_of(deck))
+        rows = track_figures.numbers_of(folder, every, deck)
         found |= {f"{name} ({unit})": float(value) for name, (value, unit) in rows.items()}
     if "transition" in kinds:
         with contextlib.suppress(read.Unreadable):  # as a bed without a structure, or a short one

@@ -12,8 +12,7 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (axles, panels, passage_warnings, read, signals, track_measures,
-                           train_strip)
+from trackbed_post import panels, passage_warnings, read, signals, track_measures, train_strip
 
 FILTER = signals.LowPass()
 SHOWN_AXLES = 4  # axles of the first rolling vehicle
@@ -126,9 +125,6 @@ def wheel_numbers(run, length, run_in, extremes):
         raise read.Unreadable("no wheel was on the track while histories were written")
     found = wheel_forces(run, length, run_in, extremes)
     wheels = rolling(run)
-    if lost := axles.time_off(between_run_ins(run, length, run_in), history(run, "wheel/force")):
-        found["time with a wheel off the rail"
-              + (" between the run-ins" if run_in > 0 else "")] = (100 * lost, "%")
     if "history/wheel/height" in run and wheels:
         path = track_measures.loaded_rail(history(run, "wheel/x")[:, wheels[0]],
                                           history(run, "wheel/height")[:, wheels[0]], 0, length)[1]
@@ -359,7 +355,18 @@ def opened(folder):
     run, deck = loaded(folder), deck_of(folder)
     if deck.get("passage", {}).get("loaded_by") == "seats":
         run = without_rail(run)
-    return run, deck, numbers(run, deck["track"]["length"], extremes_of(folder), run_in_of(deck))
+    return run, deck, numbers_of(folder, run, deck)
+
+
+def numbers_of(folder, run, deck):
+    """As `numbers`, and the part of their time on the track that wheels are off the rail: the one
+    that the warning states."""
+    extremes = extremes_of(folder)
+    found = numbers(run, deck["track"]["length"], extremes, run_in_of(deck))
+    if off := passage_warnings.share_of_wheels(run, deck, {"track": extremes}):
+        time = passage_warnings.counted(deck)
+        found[f"wheels off the rail, part of the {time}"] = (100 * off, "%")
+    return found
 
 
 def names_of(folders):

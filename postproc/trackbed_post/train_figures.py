@@ -108,7 +108,7 @@ def numbers(passing):
     found = {"largest wheel force over the bed": (np.nanmax(force) / 1e3, "kN"),
              "least wheel force over the bed": (np.nanmin(force) / 1e3, "kN")}
     if (off := passing.off_the_rail()) > 0:
-        found["time with a wheel off the rail over the bed"] = (100 * off, "%")
+        found["a wheel off the rail, part of the rows with a wheel over the bed"] = (100 * off, "%")
     for axle in range(force.shape[1]):
         # While the run goes on, later axles are not there yet, or near the first sleeper only.
         if not (np.isfinite(passing.lowest[axle]).any() and np.isfinite(force[:, axle]).any()):

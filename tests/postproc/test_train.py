@@ -53,7 +53,7 @@ def test_the_first_axle_is_not_compared_with_itself():
 
 def test_wheels_off_the_rail_are_stated():
     run, every = made()
-    name = "time with a wheel off the rail over the bed"
+    name = "a wheel off the rail, part of the rows with a wheel over the bed"
     assert name not in train_figures.numbers(train_figures.Passing(run, every))
     x, force = (every[f"history/wheel/{one}"].values for one in ("x", "force"))
     there = (x[:, 0] >= 3) & (x[:, 0] <= 5)

@@ -91,5 +91,5 @@ def test_run_ins_are_named_where_a_track_has_them(track, named):
              "history/time": np.arange(101.0)}
     every = {name: read.Quantity(values, "", "") for name, values in every.items()}
     text, = passage_warnings.of_track(every, {"track": {"length": 20.0, **track}}, {})
-    assert ("includes the run-ins" in text) == named
-    assert "that of all wheels" in text
+    assert ("run-ins included" in text) == named
+    assert "of the time of all wheels on the track" in text
