@@ -4,9 +4,14 @@ Tables of a list have their name in the key (ground.block.wedge.present), or the
 a table that a run does not have at all there is one row, which lists its values. A list with tables
 in another order has a row with the order: later blocks overrule earlier ones. An effective deck
 holds default values of sections that nobody gave: those that the stages do not use count as absent.
+
+Effective decks hold absolute paths, which differ in another copy of the project. Files are compared
+by their contents, and the states of other runs by the last parts of their paths.
 """
 import collections.abc
+import filecmp
 import os
+import pathlib
 import typing
 
 from trackbed_post import read
@@ -15,6 +20,8 @@ ABSENT = "-"
 LEFT_OUT = ("title", "name")  # stated elsewhere
 LONGEST = 100                 # letters of a value
 BEFORE = 30                   # of these before the first letter that differs
+PARTS = 3                     # of a path: .../results/quickstart/cell
+STATE = ".h5"                 # of a run: its file also holds how long it took
 
 
 def _has_stage(**wanted: object) -> collections.abc.Callable[[read.Deck], bool]:
@@ -44,11 +51,33 @@ def rows(decks: collections.abc.Sequence[read.Deck]) -> list[list[str]]:
     return list(_differing("", [used(deck) for deck in decks]))
 
 
+def is_path(value: typing.Any) -> bool:
+    return isinstance(value, str) and os.path.isabs(value)
+
+
+def end_of_path(path: str) -> str:
+    """The last parts of an absolute path, as texts state it."""
+    parts = pathlib.PurePath(path).parts[1:]
+    return "/".join(parts if len(parts) <= PARTS else ("...", *parts[-PARTS:]))
+
+
+def equal(first: typing.Any, second: typing.Any) -> bool:
+    """Whether two values of a parameter are the same; paths are if their files have the same
+    contents or, of states and folders of runs and of files that are gone, the same end."""
+    if first == second or not (is_path(first) and is_path(second)):
+        return bool(first == second)
+    files = os.path.isfile(first) and os.path.isfile(second)
+    same_end = end_of_path(first) == end_of_path(second)
+    if same_end and (not files or first.endswith(STATE)):
+        return True
+    return files and filecmp.cmp(first, second, shallow=False)
+
+
 def _differing(before: str, tables: list[typing.Any]) -> collections.abc.Iterator[list[str]]:
     for key in dict.fromkeys(key for table in tables for key in table if key not in LEFT_OUT):
         values = [table.get(key) for table in tables]
         there = [value for value in values if value is not None]
-        if len(there) == len(values) and all(value == there[0] for value in there):
+        if len(there) == len(values) and all(equal(value, there[0]) for value in there):
             continue
         tabular = [_as_table(value) for value in there]
         if all(table is not None for table in tabular) and \
@@ -85,6 +114,9 @@ def _as_table(value: typing.Any) -> dict[str, typing.Any] | None:
 def _texts(values: list[typing.Any]) -> list[str]:
     """A cell for each value; long ones are cut around the first letter that differs."""
     texts = [ABSENT if value is None else _in_full(value) for value in values]
+    texts[1:] = [f"{text} (other contents)" if is_path(value) and text == texts[0]
+                 and not equal(value, values[0]) else text
+                 for text, value in zip(texts[1:], values[1:])]
     there = [text for text, value in zip(texts, values) if value is not None]
     same = len(os.path.commonprefix(there)) if len(there) > 1 else 0
     begin = max(same - BEFORE, 0) if same >= LONGEST else 0
@@ -103,4 +135,5 @@ def _in_full(value: typing.Any) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{key} = {_in_full(one)}" for key, one in value.items()
                          if key not in LEFT_OUT)
-    return str(value)
+    text = str(value)
+    return end_of_path(text) if is_path(text) else text

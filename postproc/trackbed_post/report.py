@@ -101,7 +101,8 @@ def facts_of(run):
     found = {"state": run.state(), "written by": run.origin,
              "title of the deck": run.deck.get("title", "")}
     if run.deck.get("start"):
-        found["started from, with the stages before"] = run.deck["start"]
+        found["started from, with the stages before"] = \
+            deck_differences.end_of_path(run.deck["start"])
     if summary:
         found |= {"deck": summary["deck"], "model": summary["model"], "ranks": summary["ranks"],
                   "simulated time, s": summary["simulated_time_s"],

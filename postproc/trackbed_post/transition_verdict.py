@@ -12,7 +12,7 @@ import typing
 
 import numpy as np
 
-from trackbed_post import ground_blocks, ground_transition, measures, read
+from trackbed_post import deck_differences, ground_blocks, ground_transition, measures, read
 from trackbed_post.judgement import (CLEAR, Difference, measure_words, shown, stated,
                                      why_no_pair)
 from trackbed_post.zones import REACHED
@@ -56,7 +56,8 @@ def different_keys(first: read.Results, second: read.Results) -> list[str]:
             elif not (path + key).startswith(NOT_COMPARED) and path + key != "ground.block":
                 yield path + key, pathlib.PurePath(value).name if path + key == CELL else value
     one, other = dict(flat(first.deck)), dict(flat(second.deck))
-    differing = [key for key in {**one, **other} if one.get(key) != other.get(key)]
+    differing = [key for key in {**one, **other}
+                 if not deck_differences.equal(one.get(key), other.get(key))]
     shared = [block.name for block in ground_blocks.present(second)]
     # A role does not change a run.
     blocks = [{each["name"]: {**each, "role": ""} for each in run.deck["ground"].get("block", [])}

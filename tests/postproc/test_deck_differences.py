@@ -87,3 +87,25 @@ def test_equal_names_are_numbered_and_long_values_are_cut():
     found = dict((row[0], row[1:]) for row in deck_differences.rows([first, second, second]))
     assert found["sensor.a (2).at"] == ["2", "3", "3"]
     assert found["x"][0].endswith("...") and len(found["x"][0]) == deck_differences.LONGEST + 3
+
+
+def test_paths_of_another_copy_of_the_project_are_no_difference(tmp_path):
+    """Files by their contents; states of runs, and files that are gone, by the end of the path."""
+    for name, text in (("a", "x_m,z_m"), ("b", "x_m,z_m"), ("c", "x_m,z_mm")):
+        for file, words in (("profile.csv", text), ("stage_rest.h5", name)):
+            path = tmp_path / name / "project/results" / file
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(words, encoding="utf-8")
+
+    def deck(name, file="profile.csv", folder="results"):
+        return {"irregularity": {"file": str(tmp_path / name / "project" / folder / file)}}
+    for other in (deck("b"), deck("gone")):
+        assert deck_differences.rows([deck("a"), other]) == []
+    assert deck_differences.rows([deck("a", "stage_rest.h5"), deck("b", "stage_rest.h5")]) == []
+    profile = "/results/profile.csv"
+    assert deck_differences.rows([deck("a"), deck("c"), deck("gone", folder="old")]) == [
+        ["irregularity.file", f".../project{profile}",
+         f".../project{profile} (other contents)", ".../project/old/profile.csv"]]
+    row, = deck_differences.rows([{"start": ""}, {"start": str(tmp_path / "a/stage_rest.h5")}])
+    assert row == ["start", "", f".../{tmp_path.name}/a/stage_rest.h5"]
+    assert deck_differences.end_of_path("/cell") == "cell"

@@ -174,6 +174,18 @@ def test_a_cell_that_was_moved_is_the_same():
     assert "differ in bed.cell, bed.height, not only in the wedge" in stated(first, second)
 
 
+def test_a_profile_of_another_copy_of_the_project_is_the_same(tmp_path):
+    first, second = train(7.8), train(5.4, wedge_present=False)
+    paths = [tmp_path / name / "profile.csv" for name in ("one", "other")]
+    for one, path in zip((first, second), paths):
+        path.parent.mkdir()
+        path.write_text("x_m,z_m", encoding="utf-8")
+        one.run.deck["irregularity"] = {"file": str(path)}
+    assert "No verdict" not in stated(first, second)
+    paths[1].write_text("x_m,z_mm", encoding="utf-8")
+    assert "differ in irregularity.file, not only in the wedge" in stated(first, second)
+
+
 def test_verdict_names_what_changes_clearly():
     text = stated(train(7.8), train(5.4, wedge_present=False))
     assert text.startswith(
