@@ -79,7 +79,7 @@ def draw_vibration(given):
     """signal, spectrum and third octaves of a history, beside a measured signal"""
     with drawn(given, write.origin_of([given.results])) as folder:
         vibration.draw_into(given.results, folder, given.quantity, given.place, given.measured,
-                            given.cut_off)
+                            given.cut_off, given.shift)
 
 
 def draw_geometry(given):

@@ -25,7 +25,8 @@ UNITS = {"_m_s2": (1.0, "m/s2"), "_g": (9.80665, "m/s2"), "_mm_s2": (1e-3, "m/s2
          "_m_N": (1.0, "m/N"), "_mm_m": (1e-3, "1"), "_degrees": (1.0, "degrees"),
          "_%": (0.01, "1"), "_1": (1.0, "1")}
 TIMES = {"time_s": 1.0, "time_ms": 1e-3}
-GAP = 1.5  # median steps: samples are missing
+GAP = 1.5  # median steps: samples are missing if those behind are late as well
+BESIDE = 20  # samples on each side of a long step that tell a gap from uneven sampling
 CLIPPED = 3  # equal samples in a row at the largest or smallest value
 JUMP = 5  # quanta, into or out of such a row: slower signals may rest at their extreme
 
@@ -33,13 +34,14 @@ JUMP = 5  # quanta, into or out of such a row: slower signals may rest at their 
 @dataclasses.dataclass(frozen=True)
 class Signal:
     """Evenly spaced times, s; values in the SI unit `unit`; `remarks` on the data; `doubtful`:
-    samples that were interpolated or clipped."""
+    samples that were interpolated or clipped; `static`: of a wheel force, the static load, N."""
     name: str
     time: np.ndarray
     values: np.ndarray
     unit: str
     remarks: tuple[str, ...]
     doubtful: np.ndarray | None = None
+    static: float | None = None
 
     @property
     def rate(self) -> float:
@@ -188,6 +190,25 @@ def clipped(values: np.ndarray) -> np.ndarray:
     return found
 
 
+def gaps(time: np.ndarray) -> list[int]:
+    """Steps in which samples are missing, the longest first: longer than GAP median steps, and the
+    samples behind are late by half a step or more, which those behind the long steps of uneven
+    sampling are not."""
+    steps = np.diff(time)
+    step = np.median(steps)
+    late, jumps = time - step * np.arange(len(time)), np.zeros(len(time))
+    long = np.flatnonzero(steps > GAP * step)
+    found = []
+    for k in long[np.argsort(-steps[long])]:
+        around = slice(max(k + 1 - BESIDE, 0), k + 1 + BESIDE)
+        local = late[around] - np.cumsum(jumps[around])  # without the gaps found before
+        before, behind = np.split(local, [k + 1 - around.start])
+        if np.median(behind) - np.median(before) > step / 2:
+            found.append(int(k))
+            jumps[k + 1] = max(1, round(steps[k] / step) - 1) * step
+    return found
+
+
 def _even(time: np.ndarray, values: np.ndarray
           ) -> tuple[np.ndarray, np.ndarray, list[str], np.ndarray]:
     """Evenly spaced signal, the remarks on what it was before, and its doubtful samples."""
@@ -204,16 +225,18 @@ def _even(time: np.ndarray, values: np.ndarray
         remarks.append(f"{np.sum(overload)} samples are at the extreme values {values.min():.4g} "
                        f"and {values.max():.4g}, at least {CLIPPED} in a row: was the sensor "
                        "overloaded?")
+    missing = gaps(time)
     steps = np.diff(time)
-    step = float(np.median(steps))
-    missing = np.flatnonzero(steps > GAP * step)
     if len(missing):
-        remarks.append(f"{len(missing)} gaps, the longest of {steps.max():.4g} s at "
-                       f"{time[np.argmax(steps)]:.4g} s, were filled by straight lines")
+        remarks.append(f"{len(missing)} gaps, the longest of {steps[missing[0]]:.4g} s at "
+                       f"{time[missing[0]]:.4g} s, were filled by straight lines")
+    regular = np.delete(steps, missing)
+    step = float(np.mean(regular))
+    if not signals.are_even(regular, time):
+        remarks.append(f"the sampling is uneven (jitter): steps of {regular.min():.4g} to "
+                       f"{regular.max():.4g} s were resampled to {step:.4g} s")
     even = time
     if signals.step_of(time) is None:
-        if not len(missing):
-            remarks.append(f"uneven steps were resampled to {step:.4g} s")
         even = time[0] + step * np.arange(int(round((time[-1] - time[0]) / step)) + 1)
     after = np.clip(np.searchsorted(time, even), 1, len(time) - 1)
     nearest = np.minimum(np.abs(time[after] - even), np.abs(even - time[after - 1]))

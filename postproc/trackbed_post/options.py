@@ -148,6 +148,9 @@ def for_vibration(one: Command) -> None:
                           "axle 1 is 0; default: of sleepers on a bed the middle one, otherwise "
                           "that of the largest standard deviation")
     one.add_argument("--measured", default="", metavar="FILE[:COLUMN]", help="CSV, MAT or WAV")
+    one.add_argument("--shift", type=arguments.finite, metavar="S",
+                     help="is added to the times of --measured, s (0: as they are); default: that "
+                          "of the largest correlation of both envelopes")
     one.add_argument("--cut-off", type=float, default=100.0, metavar="HZ",
                      help="cut-off frequency of the low-pass filter of the time history; default: "
                           "%(default)g")

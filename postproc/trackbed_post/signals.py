@@ -4,6 +4,7 @@ import dataclasses
 import typing
 
 import numpy as np
+import scipy.ndimage
 import scipy.signal
 
 Values = typing.TypeVar("Values", float, np.ndarray)
@@ -11,12 +12,15 @@ Pole = tuple[float, float]  # frequency, Hz, and quality
 EVEN_STEP = 1e-6  # relative: smaller differences of time steps are due to rounding
 
 
+def are_even(steps: np.ndarray, time: np.ndarray) -> bool:
+    """Whether some or all steps between these times are the same but for rounding."""
+    return bool(np.ptp(steps) <= EVEN_STEP * np.max(steps) + 4 * np.spacing(np.abs(time[-1])))
+
+
 def step_of(time: np.ndarray) -> float | None:
     """Length of the even time step, s; None if there are too few samples or they are uneven."""
     steps = np.diff(time)
-    if len(steps) < 2 or np.ptp(steps) > EVEN_STEP * np.max(steps) + 4 * np.spacing(time[-1]):
-        return None
-    return float(np.mean(steps))
+    return float(np.mean(steps)) if len(steps) >= 2 and are_even(steps, time) else None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -93,6 +97,31 @@ def peak_near(frequency: np.ndarray, amplitude: np.ndarray, target: float,
         return None
     high = [k for k in near if amplitude[k] >= 0.5 * max(amplitude[near])]
     return float(frequency[min(high, key=lambda k: abs(frequency[k] - target))])
+
+
+ENVELOPE = 0.05  # s, over which an envelope is a root mean square: some axles apart, not one wave
+
+
+def envelope(time: np.ndarray, values: np.ndarray, step: float) -> np.ndarray:
+    """Sliding root mean square of the difference from the mean, every `step` s from the first
+    sample."""
+    count = max(1, round(ENVELOPE / _even_step(time)))
+    squares = scipy.ndimage.uniform_filter1d((values - np.mean(values))**2, count, mode="constant")
+    places = np.arange(time[0], time[-1] + step / 2, step)
+    return np.interp(places, time, np.sqrt(np.maximum(squares, 0)))
+
+
+def shift_between(time: np.ndarray, values: np.ndarray, other_time: np.ndarray,
+                  other_values: np.ndarray) -> tuple[float, float]:
+    """(time, s, that has to be added to the other signal so that its envelope has the largest
+    correlation with that of the first; this correlation, 1 for envelopes of the same shape)."""
+    step = max(_even_step(time), _even_step(other_time))
+    one, other = envelope(time, values, step), envelope(other_time, other_values, step)
+    found = scipy.signal.correlate(one, other, method="fft")
+    best = int(np.argmax(found))
+    lag = int(scipy.signal.correlation_lags(len(one), len(other))[best])
+    size = float(np.linalg.norm(one) * np.linalg.norm(other))
+    return float(time[0] - other_time[0]) + lag * step, float(found[best]) / max(size, 1e-300)
 
 
 # Midband frequencies of third octaves and their edges, as ratios to 1000 Hz and to the midband
@@ -174,7 +203,7 @@ def weighting_wb(frequency: np.ndarray) -> np.ndarray:
 def _even_step(time: np.ndarray) -> float:
     dt = step_of(time)
     if dt is None:
-        raise ValueError("weighted accelerations need evenly spaced samples")
+        raise ValueError("the samples must be evenly spaced")
     return dt
 
 

@@ -61,6 +61,8 @@ def computed(folder: pathlib.Path | str, quantity: str, place: int) -> measured.
     elif place < 0:
         place = int(np.argmax([np.std(column[there]) if there.any() else -1
                                for column, there in zip(values.T, on.T)]))
+    # Trains begin in static equilibrium, also where their wheels are not on the track yet.
+    static = float(values[0, place]) if quantity == "wheel/force" else None
     time, values = time[on[:, place]], values[on[:, place]]
     if len(time) < LEAST_ROWS:
         raise read.Unreadable(f"{quantity} has {len(time)} usable rows; at least {LEAST_ROWS} are "
@@ -75,7 +77,7 @@ def computed(folder: pathlib.Path | str, quantity: str, place: int) -> measured.
         x = every["history/wheel/x"].values
         where = panels.axle(place, axles.on_two_rails(x.reshape(len(x), -1)))
     label = ", ".join(filter(None, (pathlib.Path(folder).name, quantity, where)))
-    return measured.Signal(label, time, values[:, place], unit, ())
+    return measured.Signal(label, time, values[:, place], unit, (), static=static)
 
 
 def numbers(signal: measured.Signal) -> dict[str, tuple[float, str]]:
@@ -107,10 +109,20 @@ def numbers(signal: measured.Signal) -> dict[str, tuple[float, str]]:
         if len(mean):
             found[f"largest vertical part of N_MV of {5 * len(mean)} minutes (EN 12299)"] = (
                 mean.max(), "-")
-    if signal.unit == "N" and signal.values.mean() != 0:
-        found["dynamic load factor, largest force over mean"] = (
-            np.abs(signal.values).max() / abs(signal.values.mean()), "-")
     return found
+
+
+def load_factor(signal: measured.Signal) -> dict[str, tuple[float, str]]:
+    """Of a history of forces: the largest one over the static load of the wheel or, of other
+    forces, over the mean. A measured force without its trend has neither."""
+    if signal.unit != "N":
+        return {}
+    mean = abs(signal.values.mean())
+    load, what = (signal.static, "static wheel load") if signal.static else (mean, "mean force")
+    if not load:
+        return {}
+    return {f"dynamic load factor, largest force over the {what} of {load / 1e3:.4g} kN": (
+        np.abs(signal.values).max() / load, "-")}
 
 
 def draw(shown: collections.abc.Sequence[measured.Signal],
@@ -140,8 +152,22 @@ def draw(shown: collections.abc.Sequence[measured.Signal],
     panels.plain_ticks(bands)
     for panel in (history, lines, bands):
         panel.grid(alpha=0.3)
-        panel.legend(fontsize=8)
+        panels.legend_above(panel, columns=2)
     return figure
+
+
+def aligned(signal: measured.Signal, beside: measured.Signal,
+            shift: float | None) -> measured.Signal:
+    """A measured signal over the computed one: its time moved by `shift`, s, or without one to the
+    largest correlation of both envelopes. Its name, and with it the legend, states which."""
+    how, remarks = "--shift", signal.remarks
+    if shift is None:
+        how = "largest correlation of the envelopes"
+        shift, likeness = signals.shift_between(beside.time, beside.values, signal.time,
+                                                signal.values)
+        remarks = (*remarks, f"{how}: {likeness:.2f} (1: of the same shape)")
+    return dataclasses.replace(signal, time=signal.time + shift, remarks=remarks,
+                               name=f"{signal.name}, shifted by {shift:.4g} s ({how})")
 
 
 def table_of(shown: collections.abc.Sequence[measured.Signal]) -> str:
@@ -159,10 +185,11 @@ def table_of(shown: collections.abc.Sequence[measured.Signal]) -> str:
 
 
 def draw_into(results: pathlib.Path | str, folder: write.Folder, quantity: str, place: int = -1,
-              other: str = "", cut_off: float = 100.0) -> None:
+              other: str = "", cut_off: float = 100.0, shift: float | None = None) -> None:
     """Picture and tables of a history such as sleeper/acceleration of one run (its folder);
-    `place`: number of its column, -1 as for computed(); `other`:
-    FILE[:COLUMN] of a measured signal (measured.py); `cut_off`, Hz, of the low pass."""
+    `place`: number of its column, -1 as for computed(); `other`: FILE[:COLUMN] of a measured signal
+    (measured.py), whose time is moved by `shift`, s, as aligned() describes; `cut_off`, Hz, of the
+    low pass."""
     if not cut_off > 0:
         raise read.Unreadable(f"--cut-off {cut_off:g}: must be above 0 Hz")
     shown = [computed(results, quantity, place)]
@@ -170,10 +197,13 @@ def draw_into(results: pathlib.Path | str, folder: write.Folder, quantity: str, 
         shown.append(measured.detrended(measured.load(other)))
         if shown[1].unit != shown[0].unit:
             raise read.Unreadable(f"{other} is in {shown[1].unit}, {quantity} in {shown[0].unit}")
+        shown[1] = aligned(shown[1], shown[0], shift)
+    elif shift is not None:
+        raise read.Unreadable("--shift: moves the signal of --measured, which is not given")
     text = ""
     for signal in shown:
         text += f"{signal.name}\n" + "".join(f"  remark: {one}\n" for one in signal.remarks)
-        found = numbers(signal)
+        found = numbers(signal) | (load_factor(signal) if signal is shown[0] else {})
         wide = max(map(len, found)) + 1
         text += "".join(f"  {name:{wide}} {value:10.4g} {unit}\n"
                         for name, (value, unit) in found.items())

@@ -137,6 +137,25 @@ def test_faults_of_a_measurement_are_stated_and_mended(tmp_path):
         measured.load(write_csv(tmp_path / "c.csv", "time_s,a_g\n0,1\n1,2\n1,3\n2,4\n"))
 
 
+@pytest.mark.parametrize("missing", [0, 1, 30])
+def test_uneven_sampling_is_no_gap(tmp_path, missing):
+    """2 kHz with a jitter of 0.1 ms: one step in a dozen is longer than 1.5 steps."""
+    time = 5e-4 * np.arange(4000) + 1e-4 * np.random.default_rng(3).uniform(-1.7, 1.7, 4000)
+    time = np.delete(time, slice(1000, 1000 + missing))
+    assert np.count_nonzero(np.diff(time) > 0.75e-3) > 100
+    values = np.sin(2 * np.pi * 20 * time)
+    found = measured.load(write_csv(tmp_path / "a.csv", "time_s,a_m_s2\n" + "".join(
+        f"{t:.7f},{v:.6f}\n" for t, v in zip(time, values))))
+    text = " ".join(found.remarks)
+    assert "the sampling is uneven (jitter): steps of 0.00016" in text
+    assert ("1 gaps, the longest of 0.0" in text) == bool(missing)
+    assert ("gaps" in text) == bool(missing)
+    assert found.rate == pytest.approx(2000, rel=2e-4)
+    inside = (np.abs(found.time - 0.5075) > 0.01) & (found.time < time[-1])
+    assert found.values[inside] == pytest.approx(np.sin(2 * np.pi * 20 * found.time[inside]),
+                                                 abs=1e-2)
+
+
 def test_files_of_matlab_and_sound(tmp_path):
     scipy.io.savemat(tmp_path / "a.mat", {"time_s": TIME, "force_kN": np.sin(TIME)})
     assert measured.load(tmp_path / "a.mat").values[500] == pytest.approx(1e3 * np.sin(0.5))
@@ -230,6 +249,57 @@ def test_wheels_count_between_the_run_ins(tmp_path):
     signal = vibration.computed(tmp_path, "history/wheel/force", -1)
     assert signal.values.max() == pytest.approx(65e3, rel=1e-3)
     assert 25 * signal.time[0] == pytest.approx(8, abs=0.03)
+
+
+def test_the_load_factor_refers_to_the_static_load_of_the_wheel(tmp_path):
+    """A wheel of 50 kN that the histories show with 60 kN in the mean, and a seat without it."""
+    force = np.where(TIME == 0, 50e3, 60e3 + 15e3 * np.sin(2 * np.pi * 20 * TIME))
+    store(tmp_path / "results.h5", {"history/time": (TIME, "s"),
+                                    "history/wheel/x": ((25 * TIME)[:, None], "m"),
+                                    "history/wheel/force": (force[:, None], "N"),
+                                    "history/sleeper/seat_force": (force[:, None], "N")},
+          deck="[track]\nlength = 100\nrun_in = 0\n", version="0.1.0", ranks=1)
+    other = write_csv(tmp_path / "m.csv", "time_s,force_kN\n" + "".join(
+        f"{t:.6f},{one / 1e3:.8f}\n" for t, one in zip(TIME, force)))
+    for quantity, words, load in (("wheel/force", "static wheel load of 50 kN", 50),
+                                  ("sleeper/seat_force", "mean force of 60 kN", 60)):
+        ran = conftest.call("vibration", tmp_path, quantity, "-o", tmp_path / "out", "--measured",
+                            other)
+        assert ran.returncode == 0, ran.stderr
+        row, = (line for line in ran.stdout.splitlines() if "dynamic load factor" in line)
+        assert f"largest force over the {words}" in row
+        assert float(row.split()[-2]) == pytest.approx(75 / load, rel=1e-3)
+
+
+def passage(time):
+    """Two bogies, 0.3 s apart, of which the first passes at 3.2 s."""
+    return sum(np.exp(-((time - at) / 0.05)**2) * np.sin(2 * np.pi * 30 * time)
+               for at in (3.2, 3.5))
+
+
+def test_a_measured_passage_lies_over_the_computed_one(tmp_path, monkeypatch):
+    """A record whose time begins at 0, noisy and of another phase."""
+    time = np.arange(2.8, 4.2, STEP)
+    store(tmp_path / "results.h5", {
+        "history/time": (time, "s"), "history/sleeper/acceleration": (passage(time), "m/s2")},
+          version="0", ranks=1, deck="")
+    own = np.arange(0, 6, 5e-4)
+    values = 0.7 * passage(own + 0.9 + 2e-3) + np.random.default_rng(1).normal(0, 0.02, len(own))
+    other = write_csv(tmp_path / "m.csv", "time_s,a_m_s2\n" + "".join(
+        f"{t:.6f},{v:.6f}\n" for t, v in zip(own, values)))
+    drawn, draw = [], vibration.draw
+    monkeypatch.setattr(vibration, "draw", lambda shown, low_pass: drawn.append(shown)
+                        or draw(shown, low_pass))
+    command = ["vibration", tmp_path, "sleeper/acceleration", "-o", tmp_path / "out", "--measured",
+               other]
+    for words, shift, how in (((), 0.902, "largest correlation of the envelopes"),
+                              (("--shift", "-1.5"), -1.5, "--shift")):
+        ran = conftest.call(*command, *words)
+        assert ran.returncode == 0, ran.stderr
+        assert drawn[-1][1].time[0] == pytest.approx(shift, abs=2e-3)
+        assert drawn[-1][1].name.endswith(f" s ({how})") and drawn[-1][1].name in ran.stdout
+    ran = conftest.call(*command[:-2], "--shift", "1")
+    assert ran.returncode == 2 and "--measured, which is not given" in ran.stderr
 
 
 def test_a_blow_at_the_begin_is_not_mirrored():
