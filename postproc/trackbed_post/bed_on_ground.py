@@ -3,6 +3,7 @@
 A figure whose data are missing in a run is skipped with a remark. How each number is computed:
 docs/postproc.md.
 """
+import dataclasses
 
 import matplotlib.collections
 import matplotlib.pyplot as plt
@@ -11,7 +12,7 @@ import numpy as np
 from trackbed_post import (bed_figures, bed_histories, bed_warnings, figure_csv, frequencies,
                            ground_blocks, ground_transition, judgement, measures, passage_warnings,
                            passing_peaks, read, shades, signals, sleeper_histories,
-                           stage_histories, support, support_figure, write, zones)
+                           stage_histories, support, support_figure, third_octaves, write, zones)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 from trackbed_post.panels import END, HIDDEN, UP, legend_below, mark_ends, wrapped
 
@@ -194,6 +195,25 @@ def spectra(runs, known=None):
     return figure
 
 
+def levels(runs):
+    """Third octaves of the sleepers in the passage, root mean square over those that are not at
+    the ends of the bed, without a filter."""
+    needs(all(run.sleeper for run in runs), "no sleepers")
+    lines, lasting = [], []
+    for run in runs:
+        rows = frequencies.rows_of_last_train(run)
+        sleeper = {name: dataclasses.replace(one, values=one.values[rows])
+                   for name, one in run.sleeper.items()}
+        lines += third_octaves.of_sleepers(run.time[rows], sleeper, ~ground_blocks.ends(run),
+                                           run.name)
+        lasting.append(f"{np.ptp(run.time[rows]):.3g} s")
+    needs(lines, "histories are too short or not evenly sampled")
+    return third_octaves.draw(lines, (
+        f"Third octaves of sleepers in the {passage_of_spectra(runs)}, mean over "
+        f"{' and '.join(dict.fromkeys(lasting))}, root mean square "
+        f"{measures.without_ends(runs[0]) or 'over all'}"), frequencies.of_passage(runs[0]))
+
+
 def draw_chains(panel, chains, stones, largest):
     """Disks in grey, with a red line per contact whose thickness is proportional to the force."""
     if stones is not None and len(stones.radius):
@@ -301,13 +321,13 @@ def overview(runs):
 
 
 FIGURES = {"overview": overview, "sleepers": sleeper_histories.draw, "envelope": envelope,
-           "stress": stress, "spectrum": spectra, "force_chains": force_chains,
-           **bed_figures.FIGURES, **bed_histories.FIGURES, "support": support_figure.draw,
-           **stage_histories.FIGURES}
+           "stress": stress, "spectrum": spectra, "third_octaves": levels,
+           "force_chains": force_chains, **bed_figures.FIGURES, **bed_histories.FIGURES,
+           "support": support_figure.draw, **stage_histories.FIGURES}
 
 
 # They show the rows of the passage, or of the last stage of a run without one.
-OF_PASSAGE = {"sleepers", "spectrum", "support", "sensors", "stress_paths"}
+OF_PASSAGE = {"sleepers", "spectrum", "third_octaves", "support", "sensors", "stress_paths"}
 # They show the ends of stages.
 ENDS = {"overview", "force_chains", "forces", "grading", "section"}
 

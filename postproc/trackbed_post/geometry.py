@@ -17,7 +17,7 @@ from trackbed_post import (geometry_limits, measured, read, track_figures, track
 from trackbed_post.panels import LINES
 
 Bases = collections.abc.Sequence[float]  # of twist, m
-BANDS = {"D1": (3.0, 25.0), "D2": (25.0, 70.0), "D3": (70.0, 150.0)}  # m, EN 13848-1
+BANDS = track_measures.BANDS
 WINDOW = 200.0     # m, of sliding standard deviations
 BASES = (3.0,)     # m, of twist
 # km/h, above the first and up to the second -> largest standard deviation of the level in D1 over

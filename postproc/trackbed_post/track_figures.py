@@ -4,15 +4,17 @@ are those between the run-ins, where the track has its given properties.
 
 Of several runs also a table and a picture of their envelopes beside each other (compare).
 Pictures: track (wheel forces, rail and sleepers, seat loads, sleeper acceleration, as far as the
-run has them), envelope (extremes along the track), and for a run whose only force is one impact
-receptance, also as CSV, of each point of the rail. The figures are explained in docs/track.md.
+run has them), envelope (extremes along the track), third_octaves of a train, and for a run whose
+only force is one impact receptance, also as CSV, of each point of the rail. The figures are
+explained in docs/track.md.
 """
 import json
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import panels, passage_warnings, read, signals, track_measures, train_strip
+from trackbed_post import (panels, passage_warnings, read, signals, third_octaves, track_measures,
+                           train_strip)
 
 FILTER = signals.LowPass()
 SHOWN_AXLES = 4  # axles of the first rolling vehicle
@@ -126,12 +128,8 @@ def wheel_numbers(run, length, run_in, extremes):
     found = wheel_forces(run, length, run_in, extremes)
     wheels = rolling(run)
     if "history/wheel/height" in run and wheels:
-        path = track_measures.loaded_rail(history(run, "wheel/x")[:, wheels[0]],
-                                          history(run, "wheel/height")[:, wheels[0]], 0, length)[1]
-        if len(path):
-            found["level of the loaded rail under the first wheel, wavelengths of 3 to 25 m (D1), "
-                  "root mean square"] = (
-                1e3 * path.std(), "mm")
+        found |= track_measures.levels_of_rail(history(run, "wheel/x")[:, wheels[0]],
+                                               history(run, "wheel/height")[:, wheels[0]], length)
     return found
 
 
@@ -345,6 +343,28 @@ def draw_envelope(run):
     return figure
 
 
+def draw_levels(run, length, run_in):
+    """Third octaves of the wheel forces between the run-ins and of the sleepers; None without
+    wheels."""
+    if "history/wheel/force" not in run:
+        return None
+    time, between = run["history/time"].values, between_run_ins(run, length, run_in)
+    wheels = rolling(run)
+    force = history(run, "wheel/force")
+    lines = [third_octaves.of("wheel force", "N", f"root mean square over {len(wheels)} wheels"
+                              + (" between the run-ins" if run_in > 0 else ""),
+                              [(time[on], values[on]) for on, values in
+                               zip(between.T[wheels], force.T[wheels])])]
+    sleeper = {name: read.Quantity(history(run, f"sleeper/{name}"), unit, "")
+               for name, (_, unit) in third_octaves.OF_SLEEPERS.items()
+               if f"history/sleeper/{name}" in run}
+    lines += third_octaves.of_sleepers(time, sleeper, slice(None), (
+        f"root mean square over the sleepers, mean over {np.ptp(time):.3g} s"))
+    lines = [one for one in lines if one]
+    return third_octaves.draw(lines, "Third octaves of wheel forces and sleepers") \
+        if lines else None
+
+
 def deck_of(run):
     """The effective input stored in the results."""
     return read.results(run).deck
@@ -448,6 +468,8 @@ def draw_into(results, folder):
         folder.picture("track", histories)
     if along := draw_envelope(run):
         folder.picture("envelope", along)
+    if levels := draw_levels(run, length, run_in_of(deck)):
+        folder.picture("third_octaves", levels)
     if of_points := receptances(run):
         folder.picture("receptance", draw_receptances(*of_points))
         folder.file("receptance.csv", table_of(*of_points))

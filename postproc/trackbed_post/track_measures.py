@@ -3,7 +3,8 @@ import numpy as np
 
 from trackbed_post import signals
 
-D1 = (3.0, 25.0)  # m, wavelengths, EN 13848-1
+BANDS = {"D1": (3.0, 25.0), "D2": (25.0, 70.0), "D3": (70.0, 150.0)}  # m, EN 13848-1
+D1 = BANDS["D1"]
 ORDER = 4         # of the Butterworth prototype; -3 dB at both limits
 
 
@@ -24,17 +25,30 @@ def band(values, step, wavelengths=D1):
     return passed[len(values):2 * len(values)]
 
 
-def loaded_rail(x, height, begin, end):
-    """(x, m; D1 part of the path of a wheel, m) between two places, as measured by a loaded axle.
-    The height of a wheel is that of the loaded rail except for the approach of wheel and rail, a
-    few um."""
+def loaded_rail(x, height, begin, end, wavelengths=D1):
+    """(x, m; part of these wavelengths, m, of the path of a wheel, m) between two places, as
+    measured by a loaded axle. The height of a wheel is that of the loaded rail except for the
+    approach of wheel and rail, a few um."""
     on = (x >= begin) & (x <= end)
     # Rows are equidistant in time, but not in x while the train brakes; at a stop x is repeated.
     there, first = np.unique(x[on], return_index=True)
     if len(there) < 8:
         return np.array([]), np.array([])
     even = np.linspace(there[0], there[-1], on.sum())
-    return even, band(np.interp(even, there, height[on][first]), even[1] - even[0])
+    return even, band(np.interp(even, there, height[on][first]), even[1] - even[0],
+                      wavelengths)
+
+
+def levels_of_rail(x, height, length):
+    """Name -> (value, unit): level of the loaded rail under a wheel in D1, and in the longer bands
+    that fit the track."""
+    found = {}
+    for name, (low, high) in BANDS.items():
+        path = loaded_rail(x, height, 0, length, (low, high))[1]
+        if len(path) and (name == "D1" or high <= length):
+            found[f"level of the loaded rail under the first wheel, wavelengths of {low:g} to "
+                  f"{high:g} m ({name}), root mean square"] = (1e3 * path.std(), "mm")
+    return found
 
 
 def receptance(time, force, rail, least=0.02):

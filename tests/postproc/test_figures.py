@@ -409,9 +409,9 @@ def test_a_run_without_ground_draws_the_other_figures(tmp_path):
     folder = write.Folder(tmp_path)
     bed_on_ground.draw_all([read.results(made.write(tmp_path / "bed", ground=False))], folder)
     assert {path.stem for path in folder.pictures} == {
-        "sleepers", "spectrum", "energy", "force_chains", "regions", "forces", "grading",
-        "section", "breakage", "bonds", "sensors", "stress_paths", "support", "energy_split",
-        "stages"}
+        "sleepers", "spectrum", "third_octaves", "energy", "force_chains", "regions", "forces",
+        "grading", "section", "breakage", "bonds", "sensors", "stress_paths", "support",
+        "energy_split", "stages"}
     assert any(one.endswith("bed has no ground") for one in folder.remarks)
 
 
