@@ -86,8 +86,8 @@ def draw_geometry(given):
     """longitudinal level in the bands D1, D2, D3 and twist, of files or of runs of a track"""
     runs = [one for one in given.sources if one.is_dir()]
     with drawn(given, write.origin_of(runs) if runs else "") as folder:
-        geometry.draw_into(given.sources, folder, given.twist_base, given.window, given.speed,
-                           given.irregularity)
+        geometry.draw_into(given.sources, folder, geometry.Choices(
+            given.twist_base, given.window, given.speed, given.limits, given.irregularity))
 
 
 def roll_wheels(given):

@@ -11,10 +11,11 @@ import pathlib
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 from trackbed_post import (geometry_limits, measured, read, track_figures, track_measures,
                            write)
-from trackbed_post.panels import LINES
+from trackbed_post.panels import LINES, legend_above, title_above, wrapped
 
 Bases = collections.abc.Sequence[float]  # of twist, m
 BANDS = track_measures.BANDS
@@ -26,7 +27,29 @@ BASES = (3.0,)     # m, of twist
 CLASSES = {(80, 120): (0.75, 1.10, 1.80, 2.50), (120, 160): (0.65, 0.85, 1.40, 1.85)}
 GAP = 1.5          # median steps of x: rows are missing
 LEAST = 10         # samples of a window
+TEMPLATE = "limits_template.csv"
 ENDS = 3           # longest wavelengths: a longer record is judged without one of them at each end
+
+
+@dataclasses.dataclass(frozen=True)
+class Choices:
+    """Of the command: `bases` of twist and the `window` of standard deviations, m; `speed` of the
+    line, km/h, for classes and limits; `limits_file` of the owner; `deck`: writes the files of
+    `irregularities` of the one source."""
+    bases: Bases = BASES
+    window: float = WINDOW
+    speed: float | None = None
+    limits_file: pathlib.Path | None = None
+    deck: bool = False
+
+    def limits(self) -> geometry_limits.Limits | None:
+        """Those at the speed, if it is given."""
+        if self.speed is None:
+            if self.limits_file:
+                raise read.Unreadable("--limits: needs the speed of the line; give --speed")
+            return None
+        return geometry_limits.of_file(self.limits_file, self.speed) if self.limits_file else \
+            geometry_limits.known(self.speed, self.bases)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -176,17 +199,24 @@ def twist(level: Level, base: float) -> tuple[np.ndarray, np.ndarray]:
     return x + base / 2, (ahead - across[:len(x)]) / base
 
 
-def worst_window(x: np.ndarray, values: np.ndarray, window: float) -> tuple[float, float, float]:
-    """(largest standard deviation within `window` m, middle of this window, its length, m); of a
-    shorter record that of the whole."""
+def sliding(x: np.ndarray, values: np.ndarray, window: float
+            ) -> tuple[np.ndarray, np.ndarray, float]:
+    """(middles of all windows of `window` m, the standard deviations in them, their length, m); of
+    a shorter record that of the whole."""
     step = x[1] - x[0]
     count = min(int(round(window / step)) + 1, len(values))
     sums = np.concatenate([[0], np.cumsum(values)])
     squares = np.concatenate([[0], np.cumsum(values**2)])
     mean = (sums[count:] - sums[:-count]) / count
     spread = np.sqrt(np.maximum((squares[count:] - squares[:-count]) / count - mean**2, 0))
+    return (x[:len(spread)] + x[count - 1:]) / 2, spread, (count - 1) * step
+
+
+def worst_window(x: np.ndarray, values: np.ndarray, window: float) -> tuple[float, float, float]:
+    """(largest standard deviation within `window` m, middle of this window, its length, m)."""
+    middle, spread, length = sliding(x, values, window)
     worst = int(np.argmax(spread))
-    return spread[worst], (x[worst] + x[worst + count - 1]) / 2, (count - 1) * step
+    return spread[worst], middle[worst], length
 
 
 def numbers(level: Level, bases: Bases = BASES,
@@ -224,33 +254,72 @@ def classes(level: Level, speed: float, window: float = WINDOW) -> dict[str, str
             for rail, spread in zip(rails_of(level), spreads)}
 
 
-def beyond_limits(level: Level, speed: float, bases: Bases = BASES) -> list[str]:
-    """Lines of the table: limits of single deviations at a speed, km/h, and the sections beyond."""
-    lines = []
-    for name, limit in geometry_limits.at(geometry_limits.LEVEL, speed).items():
+def limited(level: Level, quantity: str, window: float = WINDOW
+            ) -> list[tuple[str, np.ndarray, np.ndarray]]:
+    """What limits of a quantity apply to: name, x, values in the unit of the limit; nothing if the
+    record does not have it."""
+    if base := geometry_limits.base_of(quantity):
+        if level.height.shape[1] != 2 or not level.step <= base < level.length:
+            return []
+        x, slope = twist(level, base)
+        return [(f"twist over {base:g} m", x, 1e3 * slope)]
+    band = quantity.removesuffix(" sd")
+    if band not in (bands := bands_of(level)):
+        return []
+    rows, found = inner(level, band), []
+    for rail, values in zip(rails_of(level), 1e3 * bands[band][rows].T):
+        name, x = f"{band}, {rail}", level.x[rows]
+        if quantity != band:
+            x, values, length = sliding(x, values, window)
+            name += f", sd in {length:.4g} m"
+        found.append((name, x, values))
+    return found
+
+
+def judged(level: Level, limits: geometry_limits.Limits,
+           window: float = WINDOW) -> list[geometry_limits.Judged]:
+    """The sections beyond each limit."""
+    return [geometry_limits.Judged(name, kind, limit, geometry_limits.unit_of(quantity),
+                                   geometry_limits.sections(x, values, limit))
+            for quantity, levels in limits.of.items()
+            for name, x, values in limited(level, quantity, window)
+            for kind, limit in levels.items()]
+
+
+def beyond_limits(level: Level, limits: geometry_limits.Limits, bases: Bases = BASES,
+                  window: float = WINDOW) -> list[str]:
+    """Lines of the table: limits and the sections beyond them, and what is not judged."""
+    lines = [line for one in judged(level, limits, window) for line in one.words()]
+    for name in bands_of(level):
         rows = inner(level, name)
-        for rail, one in zip(rails_of(level), bands_of(level).get(name, np.empty((0, 0)))[rows].T):
-            found = geometry_limits.sections(level.x[rows], 1e3 * one, limit)
-            lines += geometry_limits.words(f"{name}, {rail}", limit, "mm", found)
-        if name in bands_of(level) and (rows.start, rows.stop) != (0, len(level.x)):
-            lines.append(f"    judged from {level.x[rows][0]:.4g} to {level.x[rows][-1]:.4g} m: "
-                         "beyond, the filter reaches the ends of the record")
-    for base in bases if level.height.shape[1] == 2 else ():
-        if (most := geometry_limits.twist_limit(base, speed)) is None:
-            low, high = geometry_limits.TWIST_BASES
-            lines.append(f"  twist over {base:g} m: no limit is known ({low:g} to {high:g} m)")
-        else:
-            x, slope = twist(level, base)
-            lines += geometry_limits.words(f"twist over {base:g} m", most, "mm/m",
-                                           geometry_limits.sections(x, 1e3 * slope, most))
-    return [*lines, f"  {geometry_limits.SOURCE}"] if lines else []
+        if not {name, f"{name} sd"} & limits.of.keys():
+            lines.append(f"  {name}: no limit is known at this speed")
+        elif (rows.start, rows.stop) != (0, len(level.x)):
+            lines.append(f"    {name} judged from {level.x[rows][0]:.4g} to "
+                         f"{level.x[rows][-1]:.4g} m: beyond, the filter reaches the ends of the "
+                         "record")
+    lines += [f"  twist over {base:g} m: no limit is known{limits.unknown}"
+              for base in (bases if level.height.shape[1] == 2 else ())
+              if geometry_limits.twist_name(base) not in limits.of]
+    return [*lines, f"  {limits.source}"]
 
 
 def rails_of(level: Level) -> tuple[str, ...]:
     return ("left rail", "right rail") if level.height.shape[1] == 2 else ("rail",)
 
 
-def draw(levels: collections.abc.Sequence[Level], bases: Bases = BASES) -> plt.Figure:
+def mark_limits(panels: dict[str, Axes], limits: geometry_limits.Limits, bases: Bases) -> None:
+    """Limits in the panels of the bands, and of the twist over `bases`."""
+    for name, panel in panels.items():
+        most = max((float(np.abs(line.get_ydata()).max()) for line in panel.lines), default=0.0)
+        names = list(map(geometry_limits.twist_name, bases)) if name == "twist" else [name]
+        for one in names:
+            geometry_limits.mark(panel, limits.of.get(one, {}), geometry_limits.unit_of(one), most,
+                                 f"{one}, " if len(names) > 1 else "")
+
+
+def draw(levels: collections.abc.Sequence[Level], bases: Bases = BASES,
+         limits: geometry_limits.Limits | None = None) -> plt.Figure:
     shown = [name for name in BANDS if any(name in bands_of(one) for one in levels)]
     both = any(one.height.shape[1] == 2 for one in levels)
     if not shown and not both:
@@ -274,44 +343,60 @@ def draw(levels: collections.abc.Sequence[Level], bases: Bases = BASES) -> plt.F
         panel.set_ylabel(f"{name}, {low:g} to {high:g} m,\nzero phase: level (mm)")
     if both:
         panels[-1, 0].set_ylabel("twist (mm/m)")
+    if limits:
+        mark_limits(dict(zip([*shown, *(["twist"] if both else [])], panels[:, 0])), limits, bases)
     for panel in panels[:, 0]:
         panel.grid(alpha=0.3)
-        panel.legend(fontsize=8)
-    panels[0, 0].set_title("Longitudinal level" if shown else "Twist", fontsize=10)
+        legend_above(panel)
+    title = "Longitudinal level" if shown else "Twist"
+    title_above(panels[0, 0], wrapped(f"{title}; {limits.source}" if limits else title, 10))
     panels[-1, 0].set_xlabel("x along the track (m)")
     return figure
 
 
+def write_exceedances(levels: collections.abc.Sequence[Level], limits: geometry_limits.Limits,
+                      folder: write.Folder, window: float) -> None:
+    """exceedances.csv: all sections of all records."""
+    rows = [row for level in levels for one in judged(level, limits, window)
+            for row in one.rows(level.name)]
+    folder.file("exceedances.csv", "\n".join([geometry_limits.EXCEEDANCES, *rows]) + "\n")
+
+
 def draw_into(sources: collections.abc.Sequence[pathlib.Path | str], folder: write.Folder,
-              bases: Bases = BASES, window: float = WINDOW, speed: float | None = None,
-              deck: bool = False) -> None:
-    """Picture geometry and table geometry.txt of files or runs; with the classes and limits at a
-    speed, km/h; `deck`: and the files of `irregularities` of the one source."""
-    if speed is not None:
-        geometry_limits.at(geometry_limits.LEVEL, speed)
+              choices: Choices = Choices()) -> None:
+    """Picture geometry and table geometry.txt of files or runs."""
+    bases, window, limits = choices.bases, choices.window, choices.limits()
     if len(sources) > len(LINES):
         raise read.Unreadable(f"give at most {len(LINES)} files or runs")
-    if deck and len(sources) > 1:
+    if choices.deck and len(sources) > 1:
         raise read.Unreadable("--irregularity: give one file")
     levels = [load(one) for one in sources]
     for level in levels:
         if not LEAST * level.step <= window < np.inf:
             raise read.Unreadable(f"--window {window:g}: must be at least {LEAST} steps of "
                                   f"{level.name}, {LEAST * level.step:g} m")
-    for name, text in irregularities(levels[0]).items() if deck else ():
+    for name, text in irregularities(levels[0]).items() if choices.deck else ():
         folder.file(name, text)
-    figure = draw(levels, bases)
+    figure = draw(levels, bases, limits)
     figure.tight_layout()
     folder.picture("geometry", figure)
-    lines = []
-    for level in levels:
-        lines.append(f"{level.name}, {level.x[0]:g} to {level.x[-1]:g} m")
-        lines += [f"  {name:<62}{value:12.5g} {unit}"
-                  for name, (value, unit) in numbers(level, bases, window).items()]
-        for rail, letter in classes(level, speed, window).items() if speed is not None else ():
-            lines.append(f"  {f'D1, {rail}: class of EN 13848-6 at {speed:g} km/h':<62}"
-                         f"{letter:>12}")
-        lines += beyond_limits(level, speed, bases) if speed is not None else []
-        lines += [f"  no {name}: {why}" for name in BANDS if (why := why_not(level, name))]
-        lines += [f"  {remark}" for remark in level.remarks]
-    folder.table("geometry.txt", "\n".join(lines) + "\n")
+    if limits:
+        write_exceedances(levels, limits, folder, window)
+    if limits and not choices.limits_file:
+        folder.file(TEMPLATE, geometry_limits.template(bases))
+    folder.table("geometry.txt", "".join(f"{line}\n" for level in levels
+                                         for line in lines_of(level, choices, limits)))
+
+
+def lines_of(level: Level, choices: Choices,
+             limits: geometry_limits.Limits | None) -> list[str]:
+    """Those of the table for one record."""
+    lines = [f"{level.name}, {level.x[0]:g} to {level.x[-1]:g} m"]
+    lines += [f"  {name:<62}{value:12.5g} {unit}"
+              for name, (value, unit) in numbers(level, choices.bases, choices.window).items()]
+    speed = choices.speed
+    for rail, letter in classes(level, speed, choices.window).items() if speed is not None else ():
+        lines.append(f"  {f'D1, {rail}: class of EN 13848-6 at {speed:g} km/h':<62}{letter:>12}")
+    lines += beyond_limits(level, limits, choices.bases, choices.window) if limits else []
+    lines += [f"  no {name}: {why}" for name in BANDS if (why := why_not(level, name))]
+    return lines + [f"  {remark}" for remark in level.remarks]

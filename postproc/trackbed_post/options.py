@@ -166,9 +166,13 @@ def for_geometry(one: Command) -> None:
                      help="length of the sliding window of the standard deviation, m; default: "
                           "%(default)g")
     one.add_argument("--speed", type=float, metavar="KMH",
-                     help="speed of the line, at most 300 km/h: states sections beyond the "
-                          "immediate action limits of EN 13848-5, and, above 80 and up to 160 "
-                          "km/h, the track quality class of EN 13848-6")
+                     help="speed of the line: states sections beyond the limits of --limits or, "
+                          "without it, up to 300 km/h, beyond immediate action limits of EN "
+                          "13848-5 from memory, of which a template for --limits is written; and, "
+                          "above 80 and up to 160 km/h, the track quality class of EN 13848-6")
+    one.add_argument("--limits", type=pathlib.Path, metavar="FILE.csv",
+                     help="alert, intervention and immediate action limits of the owner of the "
+                          "line")
     one.add_argument("--irregularity", action="store_true",
                      help="write the level as irregularity.csv (of two rails irregularity_left.csv "
                           "and irregularity_right.csv) for irregularity.file of a deck")

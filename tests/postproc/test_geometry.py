@@ -173,7 +173,8 @@ def test_sections_beyond_the_limit_are_listed(tmp_path, speed, size, beyond):
     assert ran.returncode == 0, ran.stderr
     table = (tmp_path / "out/geometry.txt").read_text()
     for band, found in beyond.items():
-        count = int(table.split(f"{band}, rail: sections above it")[1].split()[0])
+        name = f"{band}, rail: sections above the immediate action limit"
+        count = int(table.split(name)[1].split()[0])
         assert (count > 0) == found, table
 
 
@@ -185,7 +186,125 @@ def test_what_is_not_judged_is_stated(tmp_path):
     table = (tmp_path / "out/geometry.txt").read_text()
     assert "judged from 25 to 875 m" in table
     assert "twist over 30 m: no limit is known (1.3 to 20 m)" in table
-    assert "not verified against" in table
+    assert "not verified against" in table and "given by --limits" in table
+    assert "D2: no limit is known at this speed" in table
+
+
+HEAD = "quantity,above_km_h,to_km_h,level,limit,unit\n"
+OWN = HEAD + """# of line 1
+D1,80,160,alert,3,mm
+D1,80,160,intervention,4,mm
+D1,80,160,immediate,30,mm
+D1,0,80,alert,9,mm
+D1 sd,80,160,alert,2,mm
+twist 3 m,0,200,alert,1,mm/m
+twist 5.0 m,0,200,immediate,0.5,mm/m
+"""
+
+
+def with_limits(folder, text, *words, speed=120):
+    """`geometry` of a wave of 9 m and 3.5 mm of the left rail alone."""
+    write_csv(folder / "line.csv", x_m=X, left_mm=1e3 * waves({9: 3.5e-3}), right_mm=0 * X)
+    (folder / "limits.csv").write_text(text, encoding="utf-8")
+    return conftest.call("geometry", folder / "line.csv", "-o", folder / "out", "--speed", speed,
+                         "--limits", folder / "limits.csv", *words)
+
+
+def rows_of(path):
+    return [line.split(",") for line in path.read_text(encoding="utf-8").splitlines()[1:]]
+
+
+def test_limits_of_the_owner_take_the_place_of_the_known_ones(tmp_path):
+    ran = with_limits(tmp_path, OWN)
+    assert ran.returncode == 0, ran.stderr
+    table = (tmp_path / "out/geometry.txt").read_text()
+
+    def count(name):
+        return int(table.split(f"{name}: sections above the ")[1].split("limit")[1].split()[0])
+    assert table.count("sections above the alert limit") == 5  # two rails twice, and the twist
+    # 850 m are judged; a wave of 9 m is above both limits once in each half.
+    assert count("D1, left rail") == pytest.approx(2 * 850 / 9, abs=1)
+    assert count("D1, right rail") == 0 and "limits at 120 km/h: limits.csv" in table
+    assert "not verified" not in table and "D2: no limit is known" in table
+    assert count("D1, left rail, sd in 200 m") == 1  # 3.5/sqrt 2 = 2.5 mm everywhere
+    # Over a base of 5 m: 2 * 3.5 mm sin(5 pi/9)/5 m = 1.4 mm/m.
+    assert count("twist over 5 m") == pytest.approx(2 * 895 / 9, abs=2)
+    beyond = rows_of(tmp_path / "out/exceedances.csv")
+    kinds = {(row[1], row[2]) for row in beyond}
+    assert kinds == {("D1 left rail", "alert"), ("D1 left rail sd in 200 m", "alert"),
+                     ("twist over 3 m", "alert"), ("twist over 5 m", "immediate")}
+    assert all(float(row[7]) > float(row[3]) for row in beyond) and len(beyond) > 500
+    assert not (tmp_path / "out/limits_template.csv").exists()
+
+
+def test_the_figure_marks_limits_near_the_curves(tmp_path):
+    with_limits(tmp_path, OWN)
+    level = geometry.load(tmp_path / "line.csv")
+    figure = geometry.draw([level], limits=geometry_limits.of_file(tmp_path / "limits.csv", 120))
+    first, last = figure.axes[0], figure.axes[-1]
+    marks = {tuple(line.get_ydata()) for line in first.lines if len(line.get_ydata()) == 2}
+    assert marks == {(3, 3), (-3, -3), (4, 4), (-4, -4)}
+    words = [text.get_text() for text in first.get_legend().get_texts()]
+    assert "intervention limit: 4 mm" in words and first.get_ylim()[1] < 5
+    assert "immediate action limit: 30 mm (beyond the picture)" in words
+    assert "alert limit: 1 mm/m" in [text.get_text() for text in last.get_legend().get_texts()]
+    assert first.get_title() == "Longitudinal level; limits at 120 km/h: limits.csv"
+    geometry.plt.close(figure)
+
+
+def test_the_template_gives_the_known_limits(tmp_path):
+    path = write_csv(tmp_path / "line.csv", x_m=X, z_m=waves({9: 29e-3}))
+    command = ["geometry", path, "-o", tmp_path / "out", "--speed", 81]
+    assert conftest.call(*command).returncode == 0
+    first = rows_of(tmp_path / "out/exceedances.csv")
+    template = tmp_path / "out/limits_template.csv"
+    assert "# D1,0,80,alert,,mm" in template.read_text(encoding="utf-8")
+    ran = conftest.call(*command, "--limits", template)
+    assert ran.returncode == 0, ran.stderr
+    assert first and rows_of(tmp_path / "out/exceedances.csv") == first
+
+
+def test_all_problems_of_a_file_of_limits_are_stated_at_once(tmp_path):
+    ran = with_limits(tmp_path, HEAD + """D4,80,160,alert,3,mm
+D1,160,80,alert,3,mm
+D1,80,160,alarm,x,mm/m
+D1,80,160,alert
+twist 3 m,-1,160,alert,0,mm
+D1,80,160,alert,5,mm
+D1,100,200,alert,6,mm
+D1,80,160,immediate,4,mm
+""")
+    assert ran.returncode == 2
+    for words in ("line 2, column quantity: D4: must be one of D1, D2",
+                  "line 3, column to_km_h: 80: must be larger than above_km_h, 160",
+                  "line 4, column level: alarm: must be one of alert, intervention, immediate",
+                  "line 4, column limit: x: must be a number above 0",
+                  "line 4, column unit: mm/m: must be mm", "line 5: has 4 columns, not 6",
+                  "line 6, column above_km_h: -1: must be a number of at least 0",
+                  "line 6, column limit: 0: must be", "line 6, column unit: mm: must be mm/m",
+                  "line 8, column above_km_h: overlaps the speeds of line 7",
+                  "line 7, column limit: 5: the alert limit must not be above the immediate"):
+        assert words in ran.stderr, words
+    assert not (tmp_path / "out/geometry.txt").exists()
+
+
+@pytest.mark.parametrize("text, speed, words", [
+    (OWN, 250, "has no limit at 250 km/h"), (HEAD, 120, "no row with a limit"),
+    ("quantity,limit\nD1,3\n", 120, "line 1: the columns must be quantity, above_km_h"),
+    ("", 120, "the columns must be")])
+def test_files_without_a_limit_are_refused(tmp_path, text, speed, words):
+    ran = with_limits(tmp_path, text, speed=speed)
+    assert ran.returncode == 2 and words in ran.stderr
+    ran = conftest.call("geometry", tmp_path / "line.csv", "-o", tmp_path / "out", "--limits",
+                        tmp_path / "limits.csv")
+    assert ran.returncode == 2 and "give --speed" in ran.stderr
+
+
+def test_limits_may_have_semicolons_and_decimal_commas(tmp_path):
+    text = OWN.replace(",", ";").replace(";3;mm", ";3,4;mm")
+    assert with_limits(tmp_path, text).returncode == 0
+    assert geometry_limits.of_file(tmp_path / "limits.csv", 120).of["D1"] == {
+        "alert": 3.4, "intervention": 4, "immediate": 30}
 
 
 def test_a_section_has_its_ends_and_its_largest_value():
