@@ -354,7 +354,7 @@ def draw_all(runs, folder, ends=True):
             continue
         figure.tight_layout(rect=(0, write.ORIGIN, 1, 1))
         folder.picture(name, figure)
-    unsound = bed_warnings.why_no_verdict((run.name, run) for run in runs)
+    unsound = passage_warnings.why_no_verdict((run.name, run) for run in runs)
     text = ground_transition.table(runs, unsound) + "".join(map(measures.region_table, runs))
     supported = [(run, changing) for run, changing in zip(runs, zones.changing_of_each(runs))
                  if len(run.sleepers_x) and run.sleeper

@@ -1,6 +1,7 @@
-"""What a reader of the figures of a bed must know: sleepers that hang, and a bed that was bedded in
-too little. Both make neighbouring sleepers differ by more than any design does, so that runs of
-such a bed have no verdict. Sleepers at the ends of the bed do not count."""
+"""What a reader of the figures of a bed must know: sleepers that hang or are raised, and a bed that
+was bedded in too little. They make neighbouring sleepers differ by more than any design does, so
+that runs of such a bed have no verdict (passage_warnings.py adds the causes that lie in the train).
+Sleepers at the ends of the bed do not count."""
 import collections.abc
 import dataclasses
 
@@ -31,7 +32,7 @@ def warnings_of(run: read.Results, changing: float | None = None) -> list[BedWar
     if not run.has_passage() or not len(run.sleepers_x) or "reaction" not in run.sleeper:
         return []
     if measures.train_has_left(run):
-        return [*_of_hanging(run), *_of_settling(run, changing), *_of_load(run)]
+        return [*_of_hanging(run), *_of_settling(run, changing), *_of_raised(run), *_of_load(run)]
     numbers = (f"at {run.time[-1]:.4g} s: numbers and figures of the passage are those up to then, "
                "and no residual displacement is known; ")
     if measures.train_stands(run):
@@ -50,11 +51,11 @@ def of(run: read.Results, changing: float | None = None) -> list[str]:
     return [one.sentence for one in warnings_of(run, changing)]
 
 
-def why_no_verdict(named: collections.abc.Iterable[tuple[str, read.Results]]) -> str:
+def causes(named: collections.abc.Iterable[tuple[str, list[BedWarning]]]) -> str:
     """The causes in runs with their names, each once, for a sentence; empty if there are none."""
     found: dict[str, dict[str, list[str]]] = {}  # cause -> count -> names
-    for name, run in named:
-        for one in warnings_of(run):
+    for name, warnings in named:
+        for one in warnings:
             found.setdefault(one.cause, {}).setdefault(one.count, []).append(name)
     return "; ".join(_cause_in_runs(cause, names) for cause, names in found.items())
 
@@ -163,6 +164,22 @@ def _of_settling(run: read.Results, changing: float | None) -> list[BedWarning]:
         f"more than {1e3 * SETTLES:g} mm in the {run.passage_name()}, most by "
         f"{1e3 * kept[worst]:.2g} mm at x = {run.sleepers_x[worst]:.2f} m"
         f"{_in_parts(run, settles, changing)}: the bed is not bedded in; {remedies(run)}"))]
+
+
+def _of_raised(run: read.Results) -> list[BedWarning]:
+    """Sleepers that a passage leaves so much higher do not lie as they were bedded in."""
+    inner = ~ground_blocks.ends(run)
+    rise = np.where(inner, measures.residual_ground(run) - measures.residual_displacement(run), 0.0)
+    raised = rise > measures.LASTING
+    if not raised.any():
+        return []
+    worst = int(np.argmax(rise))
+    return [BedWarning("sleepers are raised by the passage", (
+        f"{np.count_nonzero(raised)} of {np.count_nonzero(inner)} sleepers are raised by more than "
+        f"{1e3 * measures.LASTING:g} mm relative to the ground in the {run.passage_name()}, most "
+        f"by {1e3 * rise[worst]:.3g} mm at x = {run.sleepers_x[worst]:.2f} m: they do not lie on "
+        "the bed as before; check irregularity, speed, and the weight of rails and fastenings "
+        "(seat_force)"))]
 
 
 def _of_load(run: read.Results) -> list[BedWarning]:

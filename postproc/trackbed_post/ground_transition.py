@@ -238,7 +238,7 @@ def effects(runs: Runs, unsound: str = "") -> list[str]:
     reasons = [f"no verdict, since {unsound}"] if unsound else \
         [f"no verdict: {no_pair}"] if no_pair else []
     return reasons + effect(found[0], found[1], measures.spacing(runs[0]),
-                            judgement.measure_words(*runs), not unsound)
+                            "" if no_pair else judgement.measure_words(*runs), not unsound)
 
 
 def differences(first: Transition, second: Transition, spacing: float) -> dict[str, Difference]:

@@ -4,14 +4,18 @@ the scatter of plain track, and is it as expected of a wedge?
 A bed of stones differs from sleeper to sleeper, also where nothing changes along the track. What a
 quantity varies by there is its scatter. Definitions: docs/postproc.md.
 """
+import collections.abc
 import dataclasses
 import math
+import pathlib
 
-from trackbed_post import ground_blocks, read
+from trackbed_post import deck_differences, ground_blocks, read
 
 SMALL = 0.9995e-4  # a number that rounds to less than 1e-4 has an exponent
 CLEAR = 0.10  # a smaller relative difference is no clear effect
 NO_PAIR = "the first run must have all blocks of the second and at least one more (the wedge)"
+NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two designs may differ
+CELL = "bed.cell"
 PLAIN = "the scatter on plain track"
 
 
@@ -48,10 +52,33 @@ def why_no_comparison(first: read.Results, second: read.Results) -> str:
             f"structure is a block of {ground_blocks.RULE})")
 
 
+def _different_keys(first: read.Results, second: read.Results) -> list[str]:
+    """The parameters, besides those of the wedge, in which two decks differ. A cell is compared by
+    its name, since the path of its folder changes if results are moved."""
+    def flat(deck: read.Deck, path: str = "") -> collections.abc.Iterator[tuple[str, object]]:
+        for key, value in deck.items():
+            if isinstance(value, dict):
+                yield from flat(value, f"{path}{key}.")
+            elif not (path + key).startswith(NOT_COMPARED) and path + key != "ground.block":
+                yield path + key, pathlib.PurePath(value).name if path + key == CELL else value
+    one, other = dict(flat(first.deck)), dict(flat(second.deck))
+    differing = [key for key in {**one, **other}
+                 if not deck_differences.equal(one.get(key), other.get(key))]
+    shared = [block.name for block in ground_blocks.present(second)]
+    # A role does not change a run.
+    blocks = [{each["name"]: {**each, "role": ""} for each in run.deck["ground"].get("block", [])}
+              for run in (first, second)]
+    differing += [f"ground.block.{name}" for name in shared if blocks[0][name] != blocks[1][name]]
+    return differing
+
+
 def why_no_pair(first: read.Results, second: read.Results) -> str:
-    """Why two runs cannot be judged; empty if the first has the wedge that the second lacks."""
+    """Why two runs cannot be judged; empty if the first has the wedge that the second lacks, and
+    the decks are equal otherwise."""
     if ground_blocks.differ_by_wedge(first, second):
-        return ""
+        keys = _different_keys(first, second)
+        what = ground_blocks.listed(ground_blocks.more_blocks(first, second))
+        return f"the decks differ in {', '.join(keys)}, not only in the {what}" if keys else ""
     if ground_blocks.differ_by_wedge(second, first):
         what = ground_blocks.listed(ground_blocks.more_blocks(second, first))
         return (f"{NO_PAIR}; here the second one, {second.name}, has the {what}: exchange the two "

@@ -1,21 +1,37 @@
 """What a reader of the figures of a train must know: wheels that were off the rail, and rail pads
-in tension, which no fastening carries. Each is stated once, with its worst place."""
+in tension, which no fastening carries. Each is stated once, with its worst place. Runs with one of
+them have no verdict: their forces are those of impacts, or of fastenings that do not exist."""
+import collections.abc
 import typing
 
 import numpy as np
 
 from trackbed_post import axles, bed_warnings, ground_blocks, read
+from trackbed_post.bed_warnings import BedWarning
 
 # A rail on equal springs lifts by exp(-pi) = 4 % of its largest deflection ahead of a wheel, and
 # between two wheels by up to twice as much; pads that pull more have another cause.
 PULLS = 0.1  # of the load of a seat below a wheel
 
 
-def of_bed(run: read.Results) -> list[str]:
-    """Of the last train over a bed, sentences without the name of the run."""
+def warnings_of_bed(run: read.Results) -> list[BedWarning]:
+    """Of the last train over a bed."""
     if not (run.has_passage() and ground_blocks.carried_by_springs(run) and len(run.sleepers_x)):
         return []
-    return [*_of_wheels_over_bed(run), *_of_pads_on_bed(run)]
+    return [*(BedWarning("a wheel is off the rail", one) for one in _of_wheels_over_bed(run)),
+            *(BedWarning("rail pads are in tension", one) for one in _of_pads_on_bed(run))]
+
+
+def of_bed(run: read.Results) -> list[str]:
+    """The same as sentences without the name of the run."""
+    return [one.sentence for one in warnings_of_bed(run)]
+
+
+def why_no_verdict(named: collections.abc.Iterable[tuple[str, read.Results]]) -> str:
+    """The causes in bed and passage of runs with their names, each once, for a sentence; empty if
+    there are none."""
+    return bed_warnings.causes((name, [*bed_warnings.warnings_of(run), *warnings_of_bed(run)])
+                               for name, run in named)
 
 
 def of_track(every: read.Quantities, deck: read.Deck,

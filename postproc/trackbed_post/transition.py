@@ -275,7 +275,7 @@ def draw_into(results, folder):
     """Pictures and tables of one run, or of two compared; `results`: their folders."""
     trains = named([train_of(path) for path in results])
     changes = changes_of(trains)
-    unsound = bed_warnings.why_no_verdict((train.name, train.run) for train in trains)
+    unsound = passage_warnings.why_no_verdict((train.name, train.run) for train in trains)
     sentence = transition_verdict.sentences(trains, changes, unsound)
     folder.sentences.append(sentence)
     lengths = zones.changing_of_each([train.run for train in trains])

@@ -34,7 +34,11 @@ def level(trains: list[Train], changes: list[Change]) -> str:
 
 def named(trains: list[Train], values: typing.Iterable[float], unit: str) -> str:
     """A value of one run, or of two with their names."""
-    texts = [f"{shown(value)} {unit}" for value in values]
+    return with_names(trains, [f"{shown(value)} {unit}" for value in values])
+
+
+def with_names(trains: list[Train], texts: list[str]) -> str:
+    """A text of one run, or those of two with their names."""
     return texts[0] if len(texts) == 1 else " and ".join(
         f"{text} ({train.name})" for text, train in zip(texts, trains))
 
@@ -76,25 +80,32 @@ def limits(trains: list[Train], changes: list[Change]) -> str:
             f"one packing of stones was computed{other}.")
 
 
-def settlement(trains: list[Train]) -> str:
-    """The largest one of sleepers that are not at the ends of the bed, unless all are small."""
-    largest = [train.settlement_judged().max() for train in trains]
-    if max(largest) <= bed_warnings.SETTLES:
+def settlement(trains: list[Train], unsound: str = "") -> str:
+    """How far the sleepers that are not at the ends of the bed move, downwards and upwards; of sound
+    runs in which all of this is small that it is."""
+    moved = [train.settlement_judged() for train in trains]
+    if not unsound and max(np.abs(one).max() for one in moved) <= bed_warnings.SETTLES:
         run = " in either run" if len(trains) > 1 else ""
-        return (f"No sleeper settles by more than {1e3 * bed_warnings.SETTLES:g} mm in this "
-                f"passage{run}.")
-    found = named(trains, (1e3 * value for value in largest), "mm")
-    return f"Largest settlement of a sleeper in this passage: {found}."
+        return (f"No sleeper that is judged moves by more than {1e3 * bed_warnings.SETTLES:g} mm "
+                f"relative to the ground in this passage{run}.")
+    ranges = [f"{signed(-one.max())} to {signed(-one.min())} mm" for one in moved]
+    found = with_names(trains, ranges)
+    return f"Sleepers after this passage, relative to the ground: {found}, up positive."
+
+
+def signed(value: float) -> str:
+    """A displacement in m as mm, up positive."""
+    return f"{'+' if value > 0 else ''}{shown(1e3 * value)}"
 
 
 def titles(trains: list[Train], changes: list[Change] | None, unsound: str) -> tuple[str, str, str]:
     """What the panels show: level, wheel force, settlement. Without a verdict as numbers alone."""
     if changes is None:
         return ("Lowest level of rail and sleepers under the train.",
-                "Largest wheel force along the track.", settlement(trains))
+                "Largest wheel force along the track.", settlement(trains, unsound))
     why = transition_verdict.why_no_verdict(trains, changes) or unsound
     first = level(trains, changes) if why else transition_verdict.effect(trains, changes, True)
-    return first, forces(trains, changes, why), settlement(trains)
+    return first, forces(trains, changes, why), settlement(trains, unsound)
 
 
 def judged(trains: list[Train], changes: list[Change]) -> list[str]:
@@ -109,7 +120,7 @@ def judged(trains: list[Train], changes: list[Change]) -> list[str]:
 def of(trains: list[Train], changes: list[Change] | None, unsound: str, warned: bool) -> str:
     """The text below the panels; `unsound`: why these beds have no verdict, `warned`: whether
     transition.txt has warnings."""
-    why = transition_verdict.why_no_verdict(trains, changes) or unsound
+    why = transition_verdict.reasons(trains, changes, unsound)
     lines = [f"No verdict: {why}."] if why else []
     if changes is not None:
         lines += judged(trains, changes) if not why else [

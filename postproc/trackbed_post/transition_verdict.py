@@ -6,13 +6,11 @@ numbers: docs/postproc.md.
 """
 from __future__ import annotations
 
-import collections.abc
-import pathlib
 import typing
 
 import numpy as np
 
-from trackbed_post import deck_differences, ground_blocks, ground_transition, measures, read
+from trackbed_post import ground_blocks, ground_transition, measures, read
 from trackbed_post.judgement import (CLEAR, Difference, measure_words, shown, stated,
                                      why_no_pair)
 from trackbed_post.zones import REACHED
@@ -21,8 +19,6 @@ if typing.TYPE_CHECKING:
     from trackbed_post.transition import Change, Train
 
 Differences = dict[str, Difference]  # by names of fields, or of rows
-NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two designs may differ
-CELL = "bed.cell"
 NO_EFFECT = "no clear effect"
 AT_END = 0.1  # m, nearer to the end of the structure a place is at the end: it is stated to 0.1 m
 
@@ -46,26 +42,6 @@ def differences(trains: list[Train], changes: list[Change]) -> Differences:
             "force": of("force", ripple, "kN", 1e-3, -1)}
 
 
-def different_keys(first: read.Results, second: read.Results) -> list[str]:
-    """The parameters, besides those of the wedge, in which two decks differ. A cell is compared by
-    its name, since the path of its folder changes if results are moved."""
-    def flat(deck: read.Deck, path: str = "") -> collections.abc.Iterator[tuple[str, object]]:
-        for key, value in deck.items():
-            if isinstance(value, dict):
-                yield from flat(value, f"{path}{key}.")
-            elif not (path + key).startswith(NOT_COMPARED) and path + key != "ground.block":
-                yield path + key, pathlib.PurePath(value).name if path + key == CELL else value
-    one, other = dict(flat(first.deck)), dict(flat(second.deck))
-    differing = [key for key in {**one, **other}
-                 if not deck_differences.equal(one.get(key), other.get(key))]
-    shared = [block.name for block in ground_blocks.present(second)]
-    # A role does not change a run.
-    blocks = [{each["name"]: {**each, "role": ""} for each in run.deck["ground"].get("block", [])}
-              for run in (first, second)]
-    differing += [f"ground.block.{name}" for name in shared if blocks[0][name] != blocks[1][name]]
-    return differing
-
-
 def what_differs(trains: list[Train]) -> str:
     """What the first run has and the second has not."""
     return ground_blocks.listed(ground_blocks.more_blocks(*(train.run for train in trains)))
@@ -79,8 +55,6 @@ def why_no_verdict(trains: list[Train], changes: list[Change] | None) -> str:
             "this run has no wedge: give one with a wedge, and this one as the second"
     if no_pair := why_no_pair(*runs):
         return no_pair
-    if keys := different_keys(*runs):
-        return f"the decks differ in {', '.join(keys)}, not only in the {what_differs(trains)}"
     if changes is None and ground_blocks.edge_of_structure(runs[0]) is None:
         return (f"the ground has no structure (a block of {ground_blocks.RULE})"
                 f"{ground_blocks.shallow(runs[0])}")
@@ -96,6 +70,12 @@ def why_no_verdict(trains: list[Train], changes: list[Change] | None) -> str:
     if not all(np.isfinite(change.width) for change in changes):
         return "the level of plain track is not reached behind the structure"
     return ""
+
+
+def reasons(trains: list[Train], changes: list[Change] | None, unsound: str) -> str:
+    """Why there is no verdict, in the choice of the runs and in their beds; empty if there is
+    one."""
+    return "; ".join(filter(None, (why_no_verdict(trains, changes), unsound)))
 
 
 def length(value: float) -> str:
@@ -255,12 +235,12 @@ def evidence(trains: list[Train], changes: list[Change], sound: bool) -> str:
 def verdict(trains: list[Train], changes: list[Change] | None, unsound: str = "") -> str:
     """Sentences on the effect of the wedge, or why there is none. `unsound`: why these beds have no
     verdict (bed_warnings.py); the numbers are stated all the same."""
-    if (why := why_no_verdict(trains, changes)) or changes is None:
-        return f"No verdict: {why}."
+    if why_no_verdict(trains, changes) or changes is None:
+        return f"No verdict: {reasons(trains, changes, unsound)}."
     numbers = f"{effect(trains, changes, not unsound)} {evidence(trains, changes, not unsound)}"
     packing = "One packing of stones was computed."
     if unsound:
-        return (f"No verdict, since {unsound}: such a bed can change the following numbers more "
+        return (f"No verdict, since {unsound}: this can change the following numbers more "
                 f"than the {what_differs(trains)} does. {numbers} {packing} The remedies are in "
                 "the warnings.")
     return f"{numbers} {cause_of_forces(trains, changes)} {packing}"

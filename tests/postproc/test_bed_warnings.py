@@ -137,17 +137,28 @@ def test_the_warning_counts_sleepers_in_each_part(runs, tmp_path):
     assert zones.changing([run]) > 0.1
 
 
-def test_each_reason_is_stated_once_with_its_runs(monkeypatch):
+@pytest.mark.parametrize("by, raised", [(0.9e-3, False), (1.1e-3, True)])
+def test_sleepers_that_a_passage_raises_are_warned_of(runs, by, raised):
+    run = settled(runs[1], -by, sleepers=(5, 6))
+    found = [one for one in bed_warnings.warnings_of(run) if "raised" in one.cause]
+    assert len(found) == raised
+    assert not raised or found[0].sentence.startswith(
+        "2 of 9 sleepers are raised by more than 1 mm relative to the ground in the passage, most "
+        "by 1.1 mm at x = 3.30 m: ")
+    ends = settled(runs[1], -by, sleepers=(0, 14))
+    assert not any("raised" in one.cause for one in bed_warnings.warnings_of(ends))
+
+
+def test_each_reason_is_stated_once_with_its_runs():
     hang = [bed_warnings.BedWarning("sleepers hang", "", f"{count} of 31") for count in (3, 5)]
     loose = bed_warnings.BedWarning("the bed is not bedded in", "")
-    monkeypatch.setattr(bed_warnings, "warnings_of", lambda run: run)
-    assert bed_warnings.why_no_verdict([("with slab", [loose]), ("without slab", [loose])]) == \
+    assert bed_warnings.causes([("with slab", [loose]), ("without slab", [loose])]) == \
         "the bed is not bedded in (runs with slab and without slab)"
-    assert bed_warnings.why_no_verdict([("a", [hang[0], loose]), ("b", [hang[1]])]) == \
+    assert bed_warnings.causes([("a", [hang[0], loose]), ("b", [hang[1]])]) == \
         "3 of 31 sleepers hang (run a), 5 of 31 (run b); the bed is not bedded in (run a)"
-    assert bed_warnings.why_no_verdict([("a", [hang[0]]), ("b", [hang[0]])]) == \
+    assert bed_warnings.causes([("a", [hang[0]]), ("b", [hang[0]])]) == \
         "3 of 31 sleepers hang (runs a and b)"
-    assert bed_warnings.why_no_verdict([("a", []), ("b", [])]) == ""
+    assert bed_warnings.causes([("a", []), ("b", [])]) == ""
 
 
 def test_each_sentence_is_stated_once_with_its_runs():

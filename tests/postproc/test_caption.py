@@ -26,7 +26,8 @@ def sentences(text):
 def test_panels_have_their_message_as_title_and_the_rest_is_below_them():
     effect, force, settlement = transition_caption.titles(*pair(), "")
     steepest, sleepers, plain, limits = sentences(transition_caption.of(*pair(), "", True))
-    assert settlement == "No sleeper settles by more than 0.1 mm in this passage in either run."
+    assert settlement == ("No sleeper that is judged moves by more than 0.1 mm relative to the "
+                          "ground in this passage in either run.")
     assert effect == (
         "With the wedge the rail reaches 90% of its change from structure to plain track 2.7 m "
         "behind the structure instead of 0.5 m, and the steepest part of the change is 80% less "
@@ -46,13 +47,28 @@ def test_panels_have_their_message_as_title_and_the_rest_is_below_them():
     assert "other places" not in limits
 
 
-def test_a_settlement_is_stated_if_it_is_not_small():
+@pytest.mark.parametrize("by, words", [
+    (-2e-4, "-0.300 to -0.100 mm"), (3e-4, "-0.100 to +0.200 mm")])
+def test_sleepers_that_move_downwards_or_upwards_are_stated(by, words):
+    """All others settle by 0.1 mm."""
     trains, _ = pair()
-    trains[1].passing.left[8] -= 2e-4
+    trains[1].passing.left[8] += by
     assert transition_caption.settlement(trains) == (
-        "Largest settlement of a sleeper in this passage: 0.100 mm (with wedge) and 0.300 mm "
-        "(without wedge).")
-    assert transition_caption.settlement(trains[:1]).endswith("more than 0.1 mm in this passage.")
+        "Sleepers after this passage, relative to the ground: -0.100 to -0.100 mm (with wedge) and "
+        f"{words} (without wedge), up positive.")
+    small = transition_caption.settlement(trains[:1])
+    assert small.endswith("more than 0.1 mm relative to the ground in this passage.")
+
+
+def test_a_run_that_is_warned_of_gets_no_reassuring_title():
+    trains, changes = pair()
+    why = "a wheel is off the rail (run with wedge)"
+    for given in (changes, None):
+        title = transition_caption.titles(trains, given, why)[2]
+        assert title.startswith("Sleepers after this passage, relative to the ground: -0.100 to")
+    alone = transition_caption.of(trains[:1], changes[:1], why, True)
+    assert alone.startswith("No verdict: give a second run, without the wedge; a wheel is off the "
+                            "rail (run with wedge); warnings are in transition.txt.")
 
 
 def test_a_force_that_is_larger_than_elsewhere_is_called_so():
@@ -128,6 +144,7 @@ def test_the_file_has_the_whole_verdict_and_the_figure_the_short_one(tmp_path, m
     trains[0].run.warnings, trains[1].run.warnings = ("stage bed_in ended early",), ()
     monkeypatch.setattr(transition, "train_of", lambda path: trains[path])
     monkeypatch.setattr(transition.bed_warnings, "warnings_of", lambda *_: [])
+    monkeypatch.setattr(transition.passage_warnings, "warnings_of_bed", lambda *_: [])
     monkeypatch.setattr(transition.passage_warnings, "of_bed", lambda run: ["pads pull"])
     monkeypatch.setattr(transition_figures, "draw_model", lambda *_: plt.figure())
     monkeypatch.setattr(transition_figures, "compare", lambda *rest: shown.append(rest[-1]) or

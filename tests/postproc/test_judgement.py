@@ -133,7 +133,7 @@ def test_a_bed_that_is_warned_of_has_no_verdict_on_the_rail():
                              test_transition.train(5.4, wedge_present=False)])
     why = "1 of 15 sleepers hang (run with wedge)"
     text = verdicts.verdict(pair, transition.changes_of(pair), why)
-    assert text.startswith(f"No verdict, since {why}: such a bed can change")
+    assert text.startswith(f"No verdict, since {why}: this can change")
     assert ("2.7 m behind the structure instead of 0.5 m, and the steepest part of the change is "
             "80% less steep. ") in text
     assert "instead of 1.0 mm/m, 0.3 m behind the structure. The largest" in text
@@ -183,3 +183,12 @@ def test_the_table_of_a_run_with_a_train_names_what_it_judges(runs):
     below = [dataclasses.replace(run, deck={**run.deck, "stage": stages}) for run in runs]
     assert ground_transition.ON_GROUND in ground_transition.table(below)
     assert ground_transition.ON_GROUND not in ground_transition.table(runs)
+
+
+def test_the_table_of_runs_that_differ_in_more_than_the_measure_has_no_verdict(runs):
+    """As transition.txt: it names the parameters of the decks."""
+    faster = {**runs[1].deck, "load": {**runs[1].deck["load"], "speed": 30.0}}
+    text = ground_transition.table([runs[0], dataclasses.replace(runs[1], deck=faster)])
+    assert "no verdict: the decks differ in load.speed, not only in the wedge\n" in text
+    assert "expected" not in text and "comparable" not in text
+    assert "as expected of a wedge" in ground_transition.table(runs)

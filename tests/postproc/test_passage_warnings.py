@@ -43,6 +43,14 @@ def test_a_wheel_that_is_off_the_rail_in_few_rows_is_stated(runs, tmp_path):
     assert folder.tables[0].count(f"warning: wedge: {one}") == 1
 
 
+def test_a_run_with_a_wheel_off_the_rail_has_no_verdict(runs):
+    run = below_train(runs[0])
+    assert "off the rail" not in passage_warnings.why_no_verdict([("wedge", run)])
+    run.wheel["force"].values[run.wheel["x"].values > 5] = 0
+    why = passage_warnings.why_no_verdict([("wedge", run), ("other", below_train(runs[1]))])
+    assert why.endswith("; a wheel is off the rail (run wedge)")
+
+
 def test_only_the_last_train_counts_and_a_run_may_have_no_row_yet(runs, tmp_path):
     run = below_train(runs[0])
     x, force = run.wheel["x"].values, run.wheel["force"].values
