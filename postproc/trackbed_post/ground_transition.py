@@ -36,7 +36,8 @@ class Transition:
     stress_beyond: float            # Pa, the same behind the edge
     stress_scatter: float           # Pa, largest difference of these means on plain track
     sleeper_displacement: float     # m, largest of those that are not at the ends of the bed
-    sleeper_residual: float         # m, largest magnitude after the passage
+    sleeper_residual_most: float    # m, after the passage: of these the lowest,
+    sleeper_residual_least: float   # and the highest; negative if it is raised
 
     @property
     def stress_jump(self) -> float:
@@ -110,7 +111,8 @@ def transition(results: read.Results, changing: float | None = None) -> Transiti
     places = edge + turn * distance[plain] if plain.any() else np.array([NOWHERE])
     residual = measures.residual_displacement(results)
     residual = residual[~ground_blocks.ends(results)[:len(residual)]]
-    known = len(residual) and measures.train_has_left(results)
+    if not (len(residual) and measures.train_has_left(results)):
+        residual = np.array([NOWHERE])
     return Transition(
         edge=edge, structure_displacement=surface.on_structure,
         far_displacement=float(np.median(surface.down[plain])) if plain.any() else NOWHERE,
@@ -121,7 +123,8 @@ def transition(results: read.Results, changing: float | None = None) -> Transiti
         edge_slope=at_edge, slope_scatter=on_plain, stress_structure=before, stress_beyond=behind,
         stress_scatter=_jumps(distance, compression, plain, reach),
         sleeper_displacement=measures.largest_sleeper_displacement(results),
-        sleeper_residual=float(np.max(np.abs(residual))) if known else NOWHERE)
+        sleeper_residual_most=float(np.max(residual)),
+        sleeper_residual_least=float(np.min(residual)))
 
 
 def transitions(runs: Runs) -> list[Transition]:
@@ -145,19 +148,21 @@ ROWS = (  # label, unit, field, factor
     ("stress jump at the edge, difference of these means", "kPa", "stress_jump", 1e-3),
     ("largest such difference on plain track (scatter)", "kPa", "stress_scatter", 1e-3),
     ("largest sleeper displacement in the passage", "mm", "sleeper_displacement", 1e3),
-    ("largest residual displacement of sleeper and ground", "mm", "sleeper_residual", 1e3),
+    ("residual displacement of sleeper and ground, largest", "mm", "sleeper_residual_most", 1e3),
+    ("residual displacement of sleeper and ground, smallest", "mm", "sleeper_residual_least", 1e3),
 )
 WIDE = max(len(label) for label, *_ in ROWS) + 1
 NOTES = (
     "stresses: added by the passage; without weight of the bed and static preload",
     "residual displacement of sleeper and ground: of a sleeper in the last row, the ground below "
-    "it included; it may be smaller than the largest settlement into the bed (transition.txt), "
+    "it included, negative if it is raised; the largest one may be smaller than the largest settlement into the bed (transition.txt), "
     "which is relative to the ground: this still vibrates and may be above its level at rest")
 
 
 PLACES = ("plain_begin", "plain_end", "steepest_x")
 # Rows without a relative change.
-NO_CHANGE = (*PLACES, "slope_scatter", "stress_scatter")
+NO_CHANGE = (*PLACES, "slope_scatter", "stress_scatter", "sleeper_residual_most",
+             "sleeper_residual_least")
 
 
 def plain_track(found: collections.abc.Sequence[Transition]) -> str:

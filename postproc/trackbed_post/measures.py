@@ -295,7 +295,12 @@ NUMBERS = {ground_blocks.WALLS: "one", ground_blocks.ENDS: "three"}
 
 def without_ends(run: read.Results) -> str:
     """How many sleepers are left out, for legends; empty if none are."""
-    count = int(np.count_nonzero(ground_blocks.ends(run))) // 2
+    return left_out(ground_blocks.ends(run))
+
+
+def left_out(ends: np.ndarray) -> str:
+    """The same of a bed by which of its sleepers are at the ends."""
+    count = int(np.count_nonzero(ends)) // 2
     return f"without the {NUMBERS[count]} at each end of the bed" if count else ""
 
 

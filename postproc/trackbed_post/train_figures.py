@@ -36,8 +36,8 @@ def under_axles(wheel_x, sleepers_x, moved, reach):
 
 class Passing:
     """The last train of the histories: time, s; x of axles, m; force of their wheels, N, [time,
-    axle, rail], left before right; motion of the sleepers, m. Levels are relative to the row
-    `first`."""
+    axle, rail], left before right; motion of the sleepers, m; `ends`: which of them are at the ends
+    of the bed and do not count. Levels are relative to the row `first`."""
 
     def __init__(self, run, every):
         if "history/wheel/x" not in every or not len(run.sleepers_x):
@@ -57,6 +57,7 @@ class Passing:
             if rails == 2 else None
         self.rail = rows_of("rail/displacement")[rows]
         self.sleepers_x = run.sleepers_x
+        self.ends = ground_blocks.at_ends(len(run.sleepers_x), True)
         self.displacement = rows_of("sleeper/displacement")[rows]
         self.spacing = run.deck["sleepers"]["spacing"]
         self.first = axles.row_before_train(self.x[:, 0], self.sleepers_x[0])
@@ -100,8 +101,21 @@ def stage_words(run, passing):
     return f"stage {name}" if measures.several_passages(run) else ""
 
 
+def under_axle(passing, axle):
+    """Name -> (value, unit) of the sleepers under an axle, counted from 0."""
+    name, inner = f"axle {axle + 1}, largest downward sleeper displacement", ~passing.ends
+    found = {f"{name}, mean of sleepers": (-1e3 * np.nanmean(passing.lowest[axle][inner]), "mm"),
+             f"{name}, largest of sleepers": (-1e3 * np.nanmin(passing.lowest[axle][inner]), "mm")}
+    if axle > 0:
+        found[f"{name} minus that of axle 1, mean of sleepers"] = (
+            1e3 * np.nanmean(passing.sunk_since_first()[axle][inner]), "mm")
+    return found
+
+
 def numbers(passing):
-    """Name -> (value, unit)."""
+    """Name -> (value, unit). Sleepers at the ends of the bed, and the rail above them, do not
+    count."""
+    inner = ~passing.ends
     force = np.where(passing.on_bed()[..., None], passing.force, np.nan)
     if not np.isfinite(force).any():
         raise read.Unreadable("no wheel was over the bed while histories were written")
@@ -111,33 +125,34 @@ def numbers(passing):
         found["a wheel off the rail, part of the rows with a wheel over the bed"] = (100 * off, "%")
     for axle in range(force.shape[1]):
         # While the run goes on, later axles are not there yet, or near the first sleeper only.
-        if not (np.isfinite(passing.lowest[axle]).any() and np.isfinite(force[:, axle]).any()):
+        if not (np.isfinite(passing.lowest[axle][inner]).any()
+                and np.isfinite(force[:, axle]).any()):
             continue
         found[f"axle {axle + 1}, largest force"] = (np.nanmax(force[:, axle]) / 1e3, "kN")
         if force.shape[2] == 2:
             found[f"axle {axle + 1}, left and right wheel, largest difference"] = (
                 np.nanmax(np.abs(force[:, axle, 0] - force[:, axle, 1])) / 1e3, "kN")
-        found[f"axle {axle + 1}, largest downward sleeper displacement, mean of sleepers"] = (
-            -1e3 * np.nanmean(passing.lowest[axle]), "mm")
-        found[f"axle {axle + 1}, largest downward sleeper displacement, largest of sleepers"] = (
-            -1e3 * np.nanmin(passing.lowest[axle]), "mm")
-        if axle > 0:
-            found[f"axle {axle + 1}, largest downward sleeper displacement minus that of axle 1, "
-                  "mean of sleepers"] = (
-                1e3 * np.nanmean(passing.sunk_since_first()[axle]), "mm")
+        found |= under_axle(passing, axle)
     if passing.seats is not None:
-        lean = passing.seats[..., 0] - passing.seats[..., 1]
+        lean = (passing.seats[..., 0] - passing.seats[..., 1])[:, inner]
         found["left minus right seat height of a sleeper, largest"] = (1e3 * lean.max(), "mm")
         found["left minus right seat height of a sleeper, smallest"] = (1e3 * lean.min(), "mm")
     found["rail above the sleepers, largest downward displacement"] = (
-        1e3 * (passing.rail[passing.first] - passing.rail).max(), "mm")
-    left = -1e3 * passing.left
+        1e3 * lowered_rail(passing)[:, inner].max(), "mm")
+    left = -1e3 * passing.left[inner]
     last = ("residual downward displacement of sleepers" if passing.has_left else
             "downward displacement of sleepers in the last row, train not past all of them")
     last += ", ground included" if passing.on_ground else ""
     found[f"{last}, mean"] = (left.mean(), "mm")
     found[f"{last}, largest"] = (left.max(), "mm")
+    found[f"{last}, smallest (negative: upwards)"] = (left.min(), "mm")
     return found
+
+
+def lowered_rail(passing):
+    """Downward displacement of each rail above each sleeper, m, [time, sleeper, rail]."""
+    lowered = passing.rail[passing.first] - passing.rail
+    return lowered.reshape(len(lowered), len(passing.sleepers_x), -1)
 
 
 def sentence(name, stage, passing, found):
@@ -153,12 +168,14 @@ def sentence(name, stage, passing, found):
 def draw_left(panel, passing):
     """What the last train leaves, and how much lower each axle finds a sleeper than the first."""
     for axle in range(1, min(SHOWN_WHEELS, passing.x.shape[1])):
-        panel.plot(passing.sleepers_x, -1e3 * passing.sunk_since_first()[axle], lw=0.9,
-                   marker=panels.MARKERS[axle], ms=3.5, color=f"C{axle}",
-                   label=f"lowest under {panels.axle(axle, False)}, less that under axle 1")
-    panel.plot(passing.sleepers_x, 1e3 * passing.left, "k^--", ms=4, lw=0.9,
-               label="after the train" if passing.has_left else
-               "in the last row, train not past all sleepers")
+        line, = panel.plot(passing.sleepers_x, -1e3 * passing.sunk_since_first()[axle], lw=0.9,
+                           marker=panels.MARKERS[axle], ms=3.5, color=f"C{axle}",
+                           label=f"lowest under {panels.axle(axle, False)}, less that under axle 1")
+        panels.mark_ends(panel, line, passing.ends, panels.HIDDEN)
+    line, = panel.plot(passing.sleepers_x, 1e3 * passing.left, "k^--", ms=4, lw=0.9,
+                       label="after the train" if passing.has_left else
+                       "in the last row, train not past all sleepers")
+    panels.mark_ends(panel, line, passing.ends, panels.END)
     panel.set(ylabel=f"vertical displacement\nof sleepers, {panels.UP}", xlabel="x, m")
 
 
@@ -173,8 +190,9 @@ def draw(passing, stretches, stage=""):
             side = ", right" if rail else ", left" if passing.force.shape[2] == 2 else ""
             wheels.plot(passing.x[:, axle], force / 1e3, "--" if rail else "-", lw=0.8,
                         color=f"C{axle}", label=words + side)
-        down.plot(passing.sleepers_x, 1e3 * passing.lowest[axle], label=words, lw=0.9,
-                  marker=panels.MARKERS[axle], ms=3.5, color=f"C{axle}")
+        line, = down.plot(passing.sleepers_x, 1e3 * passing.lowest[axle], label=words, lw=0.9,
+                          marker=panels.MARKERS[axle], ms=3.5, color=f"C{axle}")
+        panels.mark_ends(down, line, passing.ends, panels.HIDDEN if axle else panels.END)
     draw_left(left, passing)
     state = "".join(f", {one}" for one in (stage, passing.state()) if one)
     figure.suptitle(panels.wrapped(
@@ -207,6 +225,8 @@ def draw_into(results, folder):
     text = f"{', '.join([run.name, *state])}\n" if state else ""
     text += "".join(f"{name:{wide}} {value:10.4g} {unit}\n"
                     for name, (value, unit) in found.items())
+    if left_out := measures.left_out(passing.ends):
+        text += f"sleepers, and the rail above them: {left_out}\n"
     text += "".join(f"warning: {run.name}: {one}\n" for one in passage_warnings.of_bed(run))
     folder.picture("train", draw(passing, ground_blocks.stretches(run), stage))
     folder.table("train.txt", text)

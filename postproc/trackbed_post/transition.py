@@ -239,6 +239,8 @@ OF_TRAINS = (("mean wheel force over the bed, kN", lambda train: 1e-3 * train.me
               lambda train: 1e3 * train.settlement_judged().mean()),
              ("settlement of sleepers into the bed, relative to the ground, largest, mm",
               lambda train: 1e3 * train.settlement_judged().max()),
+             ("settlement of sleepers into the bed, relative to the ground, smallest, mm",
+              lambda train: 1e3 * train.settlement_judged().min()),
              ("difference of the levels of all sleepers of the bed before the train, largest, mm",
               lambda train: 1e3 * train.unevenness()))
 
@@ -264,7 +266,7 @@ def curves(trains):
         along = (train.run.sleepers_x, 1e3 * train.rail_down(), 1e3 * train.sleeper_down(),
                  1e3 * train.settlement())
         for name, head, columns in (
-                ("levels", "x_m,rail_down_mm,sleeper_down_mm,settlement_mm", along),
+                ("levels", "x_m,rail_down_mm,sleeper_down_mm,settlement_down_mm", along),
                 ("wheel_force", "x_m,largest_wheel_force_kN", (x, 1e-3 * force))):
             rows = (",".join(f"{value:.6g}" for value in row) for row in zip(*columns))
             found[f"{name}_{train.name.replace(' ', '_')}.csv"] = "\n".join([head, *rows]) + "\n"

@@ -96,7 +96,7 @@ def name_axes(force, level, settled):
         panel.plot([], [], ls="", marker=marker, ms=3, color="0.2", mfc="white", mew=0.8,
                    label="not judged (hollow, light)")
     level.set_ylabel(f"lowest level of rail and\nsleepers under the train,\n{panels.UP}")
-    settled.set_ylabel(f"sleepers after the\ntrain, {panels.UP}")
+    settled.set_ylabel(f"sleepers after the\ntrain, relative to\nthe ground,\n{panels.UP}")
     force.set_ylabel("largest wheel force\nof all axles, kN")
     settled.set_xlabel("x along the track, m")
     # Smaller settlements, which are noise, look as small as they are.

@@ -275,7 +275,8 @@ def test_transition_recovers_the_known_values(runs):
     first, last = np.sin(4 * np.pi * np.array([0.1, 2.099]))  # 1 mm at 2 Hz, rows each 1 ms
     for found in (wedge, none):
         assert found.sleeper_displacement == pytest.approx(1e-3)
-        assert found.sleeper_residual == pytest.approx(1e-3 * abs(last - first))
+        assert found.sleeper_residual_most == pytest.approx(1e-3 * (first - last))
+        assert found.sleeper_residual_least == pytest.approx(1e-3 * (first - last))
 
 
 def with_ground(run, **values):
@@ -342,7 +343,11 @@ def test_residual_displacement_of_sleepers_is_reported(runs):
     sunk[-1, 5] = sunk[runs[0].passage()][0, 5] + 0.9e-3
     bad = dataclasses.replace(runs[0], sleeper={
         **runs[0].sleeper, "displacement": read.Quantity(sunk, "m", "-")})
-    assert transition(bad).sleeper_residual == pytest.approx(2e-3)
+    assert transition(bad).sleeper_residual_most == pytest.approx(2e-3)
+    assert transition(bad).sleeper_residual_least == pytest.approx(-0.9e-3)
+    rows = dict(line.rsplit("mm", 1) for line in table([bad]).splitlines() if " mm " in line)
+    found = [float(rows[name]) for name in rows if name.startswith("residual displacement")]
+    assert found == [2.0, -0.9], "downwards positive, as the head of the table states"
     lines = measures.warnings(bad)
     assert len(lines) == 1 and "x = 2.70 m has a residual displacement of 2.00 mm" in lines[0]
     assert lines[0] in table([bad]) and "warning" not in table(runs)

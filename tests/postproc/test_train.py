@@ -5,7 +5,7 @@ import conftest
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import axles, ground_blocks, read, train_figures
+from trackbed_post import axles, ground_blocks, panels, read, train_figures
 
 
 def made(trains=1):
@@ -44,6 +44,31 @@ def test_settlement_of_each_axle():
     assert found[f"axle 2, {more}"][0] == pytest.approx(0.1)
     left = "residual downward displacement of sleepers, ground included"
     assert found[f"{left}, largest"][0] == pytest.approx(0.2)
+
+
+def test_sleepers_at_the_ends_of_the_bed_are_marked_and_do_not_count():
+    """The first and last of three: they go lower, and stay so, with the rail above them."""
+    run, every = made()
+    before = train_figures.numbers(train_figures.Passing(run, every))
+    for name in ("rail", "sleeper"):
+        every[f"history/{name}/displacement"].values[1:, [0, 2]] *= 3
+    passing = train_figures.Passing(run, every)
+    assert train_figures.numbers(passing) == before
+    figure = train_figures.draw(passing, [])
+    for panel in figure.axes[1:]:
+        hollow = [line for line in panel.lines if line.get_markerfacecolor() == "white"]
+        assert len(hollow) == 2, "of each line"
+        assert all(line.get_xdata() == pytest.approx([3.0, 5.0]) for line in hollow)
+        assert panels.END in [text.get_text() for text in panel.get_legend().get_texts()]
+    plt.close(figure)
+
+
+def test_a_sleeper_that_is_raised_has_a_negative_residual_displacement():
+    run, every = made()
+    every["history/sleeper/displacement"].values[-1, 1] = 0.3e-3
+    found = train_figures.numbers(train_figures.Passing(run, every))
+    left = "residual downward displacement of sleepers, ground included"
+    assert found[f"{left}, smallest (negative: upwards)"] == (pytest.approx(-0.3), "mm")
 
 
 def test_the_first_axle_is_not_compared_with_itself():
@@ -85,7 +110,8 @@ def labels_of_left(passing):
     figure = train_figures.draw(passing, [])
     words = [line.get_label() for line in figure.axes[2].lines]
     plt.close(figure)
-    return words
+    assert words.pop() == panels.END
+    return [one for one in words if one != panels.HIDDEN]
 
 
 def test_axes_name_displacements_and_their_reference():

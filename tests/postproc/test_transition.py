@@ -385,9 +385,16 @@ def test_runs_of_one_name_have_files_of_their_own():
 def test_curves_are_written():
     found = transition.curves([train(7.8)])
     rows = found["levels_made.csv"].splitlines()
-    assert rows[0] == "x_m,rail_down_mm,sleeper_down_mm,settlement_mm" and len(rows) == 31
+    assert rows[0] == "x_m,rail_down_mm,sleeper_down_mm,settlement_down_mm" and len(rows) == 31
     assert rows[8] == "4.8,0.4,0.4,0.1"
     assert found["wheel_force_made.csv"].splitlines()[1].endswith(",60")
+
+
+def test_the_table_has_the_smallest_settlement_too():
+    one = train(7.8)
+    one.passing.left[8] = 0.2e-3
+    rows = [line for line in transition.table([one], None).splitlines() if "into the bed" in line]
+    assert [row.split()[-1] for row in rows] == ["0.0875", "0.100", "-0.200"]
 
 
 def test_force_is_nan_where_no_wheel_was():
