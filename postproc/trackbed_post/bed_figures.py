@@ -6,6 +6,7 @@ from trackbed_post import measures, read
 from trackbed_post.panels import plain_ticks
 
 COLOURS = ("C0", "C1")
+STAGE_LINES = (":", "-.")  # where a stage of a run begins
 
 
 class Missing(Exception):
@@ -15,6 +16,18 @@ class Missing(Exception):
 def needs(holds, what):
     if not holds:
         raise Missing(what)
+
+
+def mark_stages(panels, runs):
+    """Thin lines where the stages of the runs begin; those of a second run have other dashes if
+    they are at other instants."""
+    begins = [run.time[1:][np.diff(run.stage) != 0] for run in runs]
+    same = all(np.array_equal(begins[0], other) for other in begins[1:])
+    for run, line, own in zip(runs[:1] if same else runs, STAGE_LINES, begins):
+        words = "a stage begins" if same else f"a stage of {run.name} begins"
+        for panel in panels:
+            for number, begin in enumerate(own):
+                panel.axvline(begin, color="0.4", lw=0.8, ls=line, label="_" if number else words)
 
 
 def regions(runs):
@@ -35,13 +48,11 @@ def regions(runs):
                 panel.plot(run.time, factor * values.mean(axis=1), style, lw=1,
                            color=f"C{number}", label=f"{run.name}: {name}")
                 panel.set_ylabel(label)
-        for begin in run.time[1:][np.diff(run.stage) != 0]:
-            for panel in panels:
-                panel.axvline(begin, color="0.4", lw=0.6, ls=":")
+    mark_stages(panels, runs)
     for panel in panels:
         panel.grid(alpha=0.3)
     panels[0].legend(fontsize=8)
-    panels[0].set_title("Stones in the regions of the deck (dotted: a stage begins)", fontsize=10)
+    panels[0].set_title("Stones in the regions of the deck", fontsize=10)
     panels[-1].set_xlabel("simulated time (s)")
     return figure
 

@@ -3,7 +3,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from trackbed_post import measures, signals, train_strip
-from trackbed_post.bed_figures import COLOURS, needs
+from trackbed_post.bed_figures import COLOURS, mark_stages, needs
 from trackbed_post.panels import LINES, UP, wrapped
 
 FILTER = signals.LowPass()
@@ -136,13 +136,11 @@ def energy(runs):
         text.append(f"{run.name}: last kinetic {run.energy['kinetic'].values[-1]:.3g} J")
     draw_potential(runs, COLOURS, panels[2])
     panels[0].set_yscale("log")  # from kJ of falling stones to below mJ at rest
-    begins = {begin for run in runs for begin in run.time[1:][np.diff(run.stage) != 0]}
+    mark_stages(panels, runs)
     for panel in panels:
         panel.grid(alpha=0.3)
-        for begin in begins:
-            panel.axvline(begin, color="0.4", lw=0.6, ls=":")
     panels[0].legend(fontsize=8)
-    panels[0].set_title(wrapped("Energies of the stones (dotted: a stage begins)\n"
+    panels[0].set_title(wrapped("Energies of the stones\n"
                                 + "; ".join(text), 9), fontsize=10)
     panels[-1].set_xlabel("simulated time (s)")
     return figure

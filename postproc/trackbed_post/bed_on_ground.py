@@ -79,15 +79,15 @@ def stress(runs):
         x = run.ground_x[order]
         compression = -run.ground_envelope["sigma_z_min"].values[order] / 1e3
         panel.plot(x, compression, color=colour, lw=0.7, alpha=0.6)
-        panel.plot(x, measures.smoothed(x, compression, measures.spacing(run)), color=colour, lw=2,
+        mean = measures.smoothed(x, compression, measures.spacing(run))
+        panel.plot(x, mean, color=colour, lw=2,
                    label=f"{run.name} (bold: mean over one sleeper spacing)")
-        found = ground_transition.transition(run)
-        text.append(f"{run.name}: max {np.max(compression):.0f} kPa"
-                    + (f", jump {found.stress_jump / 1e3:.0f} kPa" if found else ""))
+        text.append(f"{run.name} {np.max(mean):.0f} kPa")
     mark_blocks(panel, runs[0])
     panel.set_xlabel("x along the track (m)")
     panel.set_ylabel("largest vertical compression of the\nground surface in the passage (kPa)")
-    panel.set_title(wrapped(f"Compression {STRESS_COUNTS}\n" + "; ".join(text), 9), fontsize=10)
+    panel.set_title(wrapped(f"Compression {STRESS_COUNTS}\nlargest mean over one sleeper spacing: "
+                            + ", ".join(text), 9), fontsize=10)
     legend_below(panel)
     panel.grid(alpha=0.3)
     return figure
@@ -186,12 +186,12 @@ def spectra(runs, known=None):
         panel.grid(alpha=0.3)
     sampled = runs[0].time[frequencies.rows_of_last_train(runs[0])]
     panels[0].set_ylabel(f"acceleration (m/s2)\n{FILTER.name_for(sampled)}", fontsize=9)
-    left_out = measures.without_ends(runs[0])
+    left_out = measures.without_ends(*runs)
     panels[-1].set_xlabel("frequency (Hz)")
     legend_below(panels[-1], handles=shown_by_name(panels))
     panels[0].set_title(wrapped(
-        f"Spectra of sleepers in the {passage_of_spectra(runs)}, root mean square "
-        f"{left_out or 'over all'}", 9), fontsize=10)
+        f"Spectra of sleepers in the {passage_of_spectra(runs)}, root mean square over them "
+        f"({left_out or 'all'})", 9), fontsize=10)
     return figure
 
 

@@ -184,7 +184,7 @@ def table(runs: Runs, unsound: str = "") -> str:
         return f"no transition to measure: {reasons}\n" + "".join(
             line + "\n" for run in runs for line in measures.warnings(run))
     lines = [*_rows(runs, found), "", *NOTES]
-    if left_out := measures.without_ends(runs[0]):
+    if left_out := measures.without_ends(*runs):
         lines.append(f"sleepers: {left_out}")
     if not np.isfinite(found[0].far_displacement):
         lines.append(f"this model has no {plain_track(found)}: the width of the transition is not "

@@ -1,5 +1,6 @@
 """Which figures a run has: that follows from its deck."""
 import collections.abc
+import contextlib
 import dataclasses
 import functools
 import pathlib
@@ -92,6 +93,8 @@ def draw_figures(results: collections.abc.Sequence[pathlib.Path | str], path: pa
                 raise
             problem = why
             folder.remarks.append(f"{part.kind}: {why}")
+            with contextlib.suppress(OSError):  # not empty
+                folder.path.rmdir()
         folders.append(folder)
     if problem and not any(folder.pictures for folder in folders):
         raise problem

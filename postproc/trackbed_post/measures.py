@@ -99,8 +99,11 @@ def passage_words(runs: collections.abc.Sequence[read.Results]) -> str:
     names = ", ".join(dict.fromkeys(map(stage_shown, runs)))
     if not all(run.has_passage() for run in runs):
         return f"last stage ({names})"
-    words = "passage" if all(map(train_has_left, runs)) else "unfinished passage"
-    return f"{words} (stage {names})" if any(map(several_passages, runs)) else words
+    words = f"passage (stage {names})" if any(map(several_passages, runs)) else "passage"
+    unfinished = [run.name for run in runs if not train_has_left(run)]
+    if len(unfinished) == len(runs):
+        return f"unfinished {words}"
+    return f"{words}, unfinished in {', '.join(unfinished)}" if unfinished else words
 
 
 def why_not_beside(runs: collections.abc.Sequence[read.Results]) -> str:
@@ -293,9 +296,13 @@ def chosen_sleepers(run: read.Results) -> list[int]:
 NUMBERS = {ground_blocks.WALLS: "one", ground_blocks.ENDS: "three"}
 
 
-def without_ends(run: read.Results) -> str:
-    """How many sleepers are left out, for legends; empty if none are."""
-    return left_out(ground_blocks.ends(run))
+def without_ends(*runs: read.Results) -> str:
+    """How many sleepers are left out, for legends; empty if none are. If this is not the same in
+    all runs, with their names."""
+    words = [left_out(ground_blocks.ends(run)) for run in runs]
+    if len(set(words)) == 1:
+        return words[0]
+    return "; ".join(f"{run.name}: {one or 'all sleepers'}" for run, one in zip(runs, words))
 
 
 def left_out(ends: np.ndarray) -> str:

@@ -30,10 +30,10 @@ def _since_begin(run: read.Results) -> np.ndarray:
 
 def _lowest_words(runs: Runs) -> str:
     """The lowest displacement of the sleepers that are not at the ends of the bed, in words."""
-    left_out = measures.without_ends(runs[0])
+    left_out = measures.without_ends(*runs)
     lowest = (f"{run.name} {_since_begin(run)[:, ~ground_blocks.ends(run)].min():.3f} mm"
               for run in runs)
-    return f"lowest of all{f' {left_out}' if left_out else ''}: {', '.join(lowest)}"
+    return f"lowest of all sleepers: {', '.join(lowest)}{f' ({left_out})' if left_out else ''}"
 
 
 def _values(run: read.Results, time: np.ndarray) -> list[np.ndarray]:
@@ -95,7 +95,7 @@ def draw(runs: Runs) -> plt.Figure:
     below[-1].set_xlabel(f"time since the {stage} began (s)")
     key = _key(runs)
     panels.legend_below(below[-1], len(key), handles=key)
-    below[-1].get_legend().set_title(measures.without_ends(runs[0]) or None, {"size": 8})
+    below[-1].get_legend().set_title(measures.without_ends(*runs) or None, {"size": 8})
     figure.axes[0].set_title(panels.wrapped(
         f"Sleepers during the {measures.passage_words(runs)}; {_lowest_words(runs)}", WIDE, 11),
         fontsize=11)

@@ -10,7 +10,7 @@ import numpy as np
 
 from trackbed_post import measures, read
 from trackbed_post.bed_figures import needs
-from trackbed_post.panels import LINES, UP
+from trackbed_post.panels import LINES, UP, wrapped
 
 WIDTH = 2.6           # inches of a column
 MOST = 8              # columns: of more stages the last ones are shown
@@ -73,6 +73,24 @@ def shown_stages(run: read.Results) -> list[str]:
             if np.any((run.stage == number) & shown)][-MOST:]
 
 
+def shown_in_any(runs: collections.abc.Sequence[read.Results]) -> list[str]:
+    """Those of all runs in their order; what only a later run has is behind the stage before it."""
+    found: list[str] = []
+    for run in runs:
+        place = 0
+        for name in shown_stages(run):
+            if name not in found:
+                found.insert(place, name)
+            place = found.index(name) + 1
+    return found[-MOST:]
+
+
+def only_in(runs: collections.abc.Sequence[read.Results], shown: list[str]) -> list[str]:
+    """Words for the stages that some of the runs have not, or of which they show nothing."""
+    return [f"{', '.join(names)} not in {run.name}" for run in runs
+            if (names := [name for name in shown if name not in shown_stages(run)])]
+
+
 def draw_stage(panels: collections.abc.Sequence[plt.Axes], run: read.Results, stage: str,
                rows: list[Row], style: str) -> None:
     """One stage of one run, in a column of panels."""
@@ -114,7 +132,7 @@ def label(panels: np.ndarray, rows: list[Row], shown: list[str]) -> None:
 
 def stages(runs: collections.abc.Sequence[read.Results]) -> plt.Figure:
     """Histories of the platen and of three sleepers in each stage."""
-    rows, shown = rows_of(runs), shown_stages(runs[0])
+    rows, shown = rows_of(runs), shown_in_any(runs)
     needs(rows, "neither sleepers nor a platen")
     needs(len(shown) > 1, "only one stage has sleepers or a platen that applies a load")
     figure, panels = plt.subplots(len(rows), len(shown), sharex="col", sharey="row", squeeze=False,
@@ -123,9 +141,13 @@ def stages(runs: collections.abc.Sequence[read.Results]) -> plt.Figure:
         for run, style in zip(runs, LINES):
             draw_stage(column, run, stage, rows, style)
     label(panels, rows, shown)
-    panels[-1, 0].legend(*panels[-1, -1].get_legend_handles_labels(), fontsize=7,
-                         title=measures.without_ends(runs[0]) or None, title_fontsize=7)
-    figure.suptitle("From stage to stage: " + ", ".join(run.name for run in runs), fontsize=10)
+    key = {text: line for panel in panels.ravel()
+           for line, text in zip(*panel.get_legend_handles_labels())}
+    panels[-1, 0].legend(key.values(), key.keys(), fontsize=7,
+                         title=measures.without_ends(*runs) or None, title_fontsize=7)
+    title = "From stage to stage: " + ", ".join(run.name for run in runs)
+    figure.suptitle(wrapped("; ".join([title, *only_in(runs, shown)]), figure.get_figwidth()),
+                    fontsize=10)
     return figure
 
 

@@ -1,5 +1,6 @@
 """The train above histories over time: a row for each place, with vehicles and wheels at the times
-at which they pass it. The train looks mirrored, as its front passes first.
+at which they pass it. The train looks mirrored, as its front passes first; it has no arrow, since
+arrows to the right mean its direction of travel along x in other figures.
 """
 import collections.abc
 import dataclasses
@@ -82,7 +83,7 @@ def _draw_row(panel: Axes, train: Train, place: Place, level: int) -> None:
             begin, end = own.min() - beyond, own.max() + beyond
             panel.add_patch(matplotlib.patches.Rectangle(
                 (begin, level + FLOOR), end - begin, ROOF - FLOOR, **BODY))
-            panel.text((begin + end) / 2, level + (FLOOR + ROOF) / 2, f"← {name}", fontsize=7,
+            panel.text((begin + end) / 2, level + (FLOOR + ROOF) / 2, name, fontsize=7,
                        ha="center", va="center", clip_on=True)
     panel.text(0.005, level + 0.1, place.words, fontsize=7, color=place.colour, va="bottom",
                transform=panel.get_yaxis_transform())
@@ -95,7 +96,7 @@ def draw(panel: Axes, train: Train, places: collections.abc.Sequence[Place]) -> 
         _draw_row(panel, train, place, len(places) - 1 - number)
     panel.set_ylim(-0.15, len(places) - 0.2)
     panel.set_yticks([])
-    panel.set_ylabel("train as\nit passes", rotation=0, ha="right", va="center", fontsize=8)
+    panel.set_ylabel("train as\nit passes,\nfront first", rotation=0, ha="right", va="center", fontsize=8)
     panel.tick_params(labelbottom=False)
 
 

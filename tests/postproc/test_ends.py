@@ -66,7 +66,7 @@ def test_title_and_table_leave_out_the_same_sleepers(runs):
                           "displacement_min": read.Quantity(moved, "m", "-")})
     left_out = "without the three at each end of the bed"
     title = " ".join(sleeper_histories.draw([run]).axes[0].get_title().split())
-    assert f"lowest of all {left_out}: wedge -4.000 mm" in title
+    assert f"lowest of all sleepers: wedge -4.000 mm ({left_out})" in title
     found = ground_transition.transition(run)
     assert found.sleeper_displacement == pytest.approx(4e-3)
     assert found.sleeper_residual_most == pytest.approx(0, abs=1e-9)

@@ -44,15 +44,15 @@ def test_bodies_are_above_the_wheels_of_each_vehicle():
     train_strip.draw(panel, train(), [train_strip.Place(3.0, "x = 3 m", "C0")])
     bodies = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in panel.patches]
     assert np.allclose(bodies, [(0.185, 0.315), (0.385, 0.515)], atol=1e-6)
-    assert [text.get_text() for text in panel.texts] == ["← wagon", "← wagon", "x = 3 m"]
+    assert [text.get_text() for text in panel.texts] == ["wagon", "wagon", "x = 3 m"]
     plt.close(figure)
 
 
 @pytest.mark.parametrize("behind, vehicles, drawn", [
     ([0, 2, 4, 7, 9, 11, 12, 14], ("engine", "wagon"), []),  # six axles and two
     ([0, 2, 7, 8], ("engine", "wagon"), []),
-    ([0, 2, 7, 9], ("engine", "wagon"), ["← engine", "← wagon"]),
-    ([0, 2, 7, 8], ("engine",), ["← engine"])])
+    ([0, 2, 7, 9], ("engine", "wagon"), ["engine", "wagon"]),
+    ([0, 2, 7, 8], ("engine",), ["engine"])])
 def test_bodies_are_drawn_only_if_the_axles_of_each_vehicle_are_known(behind, vehicles, drawn):
     figure, panel = plt.subplots()
     x = 20.0 * TIME[:, None] - 1 - np.array(behind)
@@ -80,7 +80,7 @@ def test_the_train_is_above_the_histories_of_sleepers(tmp_path):
     run = with_train(tmp_path / "one")
     figure = sleeper_histories.draw([run])
     strip, first = figure.axes[:2]
-    assert len(figure.axes) == 5 and strip.get_ylabel() == "train as\nit passes"
+    assert len(figure.axes) == 5 and strip.get_ylabel() == "train as\nit passes,\nfront first"
     at = run.sleepers_x[measures.chosen_sleepers(run)[0]]
     # 0.1 s after the passage began the first axle is at x = 0.
     marks = [line.get_xdata()[0] for line in first.lines if line.get_linestyle() == ":"]
