@@ -28,7 +28,6 @@ CLASSES = {(80, 120): (0.75, 1.10, 1.80, 2.50), (120, 160): (0.65, 0.85, 1.40, 1
 GAP = 1.5          # median steps of x: rows are missing
 LEAST = 10         # samples of a window
 TEMPLATE = "limits_template.csv"
-ENDS = 3           # longest wavelengths: a longer record is judged without one of them at each end
 
 
 @dataclasses.dataclass(frozen=True)
@@ -85,7 +84,7 @@ def even(name: str, x: np.ndarray, height: np.ndarray) -> Level:
     if len(missing):
         remarks.append(f"{len(missing)} gaps, the longest of {steps.max():.4g} m at "
                        f"{x[np.argmax(steps)]:.4g} m, were filled by straight lines")
-    places = np.linspace(x[0], x[-1], int(round((x[-1] - x[0]) / step)) + 1)
+    places = track_measures.even_places(x)
     return Level(name, places, np.stack([np.interp(places, x, rail) for rail in height.T], axis=1),
                  tuple(remarks))
 
@@ -182,8 +181,7 @@ def inner(level: Level, band: str) -> slice:
     """Rows of a band that its filter's continuation of the ends does not reach; all of a short
     record."""
     longest = BANDS[band][1]
-    rows = int(round(longest / level.step)) if level.length >= ENDS * longest else 0
-    return slice(rows, len(level.x) - rows)
+    return track_measures.inner(level.x, longest)
 
 
 def twist(level: Level, base: float) -> tuple[np.ndarray, np.ndarray]:

@@ -155,8 +155,8 @@ WIDE = max(len(label) for label, *_ in ROWS) + 1
 NOTES = (
     "stresses: added by the passage; without weight of the bed and static preload",
     "residual displacement of sleeper and ground: of a sleeper in the last row, the ground below "
-    "it included, negative if it is raised; the largest one may be smaller than the largest settlement into the bed (transition.txt), "
-    "which is relative to the ground: this still vibrates and may be above its level at rest")
+    "it included, negative if it is raised; the largest may be smaller than the largest settlement "
+    "into the bed (transition.txt), which is relative to the ground: this still vibrates and may be above its level at rest")
 
 
 PLACES = ("plain_begin", "plain_end", "steepest_x")

@@ -7,6 +7,7 @@ from trackbed_post import ground_blocks
 
 STRUCTURE = {"color": "0.35", "alpha": 0.3}
 SOFT = {"color": "tab:green", "alpha": 0.13}
+RUN_IN = {"color": "0.5", "alpha": 0.2}  # of a track without a bed
 WIDE = 30  # characters of a line of names
 
 

@@ -8,6 +8,9 @@ from trackbed_post import ground_blocks, measures, read
 
 SECANT = 0.2  # of the increase of the reaction, where the secant of the bed begins
 HANGS = 1e-4  # m, a larger gap means that a sleeper hangs
+# Of its largest displacement without gap, how far a sleeper must be down at its largest reaction:
+# otherwise the loop is too wide for one stiffness, and a secant is steeper than the loop anywhere.
+DOWN = 2 / 3
 
 
 @dataclasses.dataclass(frozen=True)
@@ -15,7 +18,9 @@ class Support:
     """What stones and ground below each sleeper do in the passage."""
     lowered: np.ndarray    # [time, sleeper], m, downwards relative to the ground
     reaction: np.ndarray   # [time, sleeper], N
-    bed: np.ndarray        # N/m, increase of the reaction over `lowered`, without the gap
+    # N/m, increase of the reaction over `lowered`, without the gap; not known of a sleeper that is
+    # down by less than DOWN of its largest displacement when its reaction is largest.
+    bed: np.ndarray
     whole: np.ndarray      # N/m, the same increase over the displacement: all of it
     # m, where the secant of the bed has the first reaction, at least 0; of a sleeper that was not
     # loaded more than at first its largest displacement, which its gap exceeds. Not known of one
@@ -27,6 +32,11 @@ class Support:
     def hangs(self) -> np.ndarray:
         """Whether each sleeper hangs."""
         return self.gap > HANGS
+
+    @property
+    def unclear(self) -> np.ndarray:
+        """Whether the loop of each sleeper is too wide for a stiffness of the bed alone."""
+        return np.isnan(self.bed) & np.isfinite(self.whole) & np.isfinite(self.gap)
 
     @property
     def hanging(self) -> int:
@@ -73,7 +83,8 @@ def of(results: read.Results) -> Support:
         begin = _where_reached(reaction[:, k], level, lowered[:, k])
         if (pressed := lowered[most, k] - begin) > 0:
             found.gap[k] = max(begin - SECANT / (1 - SECANT) * pressed, 0.0)
-            if lowered[most, k] > found.gap[k]:
+            down, farthest = lowered[most, k] - found.gap[k], lowered[:, k].max() - found.gap[k]
+            if down > 0 and down >= DOWN * farthest:
                 found.bed[k] = increase / (lowered[most, k] - found.gap[k])
         else:
             found.gap[k] = measures.NOWHERE

@@ -1,5 +1,6 @@
 """The figure support.png: what carries each sleeper."""
 import matplotlib.pyplot as plt
+import numpy as np
 
 from trackbed_post import ground_blocks, measures, panels, support
 from trackbed_post.bed_figures import needs
@@ -25,9 +26,11 @@ def explain_secants(runs, panel):
     """Title of the panel of stiffnesses."""
     train = all(run.has_passage() and ground_blocks.carried_by_springs(run) for run in runs)
     ground = any(measures.has_ground(run) for run in runs)
+    unclear = sum(np.count_nonzero(support.of(run).unclear) for run in runs)
     panel.set_title(f"Secants from the {'row before the train' if train else 'first row'} to the "
-                    "largest\nreaction; bed alone: without gap" + (" and ground" if ground else ""),
-                    fontsize=10)
+                    "largest\nreaction; bed alone: without gap" + (" and ground" if ground else "")
+                    + ("; left out where a\nsleeper is then down by less than 2/3 of its "
+                       f"maximum: {unclear}" if unclear else ""), fontsize=10)
 
 
 def draw(runs):

@@ -13,12 +13,13 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (panels, passage_warnings, read, signals, third_octaves, track_measures,
-                           train_strip)
+from trackbed_post import (panels, passage_warnings, read, shades, signals, third_octaves,
+                           track_measures, train_strip)
 
 FILTER = signals.LowPass()
 SHOWN_AXLES = 4  # axles of the first rolling vehicle
 SHOWN_PLACES = 3  # sleepers below the train
+WIDEST = 3.5  # points, line of the first axle
 
 
 def history(run, name):
@@ -81,6 +82,18 @@ def run_in_of(deck):
     return 0 if track.get("support") == "none" else track.get("run_in", 0)
 
 
+def shade_run_ins(panel, decks):
+    """Shades the run-ins of these tracks over x, which numbers leave out; one entry of the legend.
+    """
+    spans = {(run_in_of(deck), deck["track"]["length"]) for deck in decks
+             if deck.get("model") in ("track", "track_on_ground")}
+    label = "run-in, not counted"
+    for run_in, length in sorted(span for span in spans if span[0] > 0):
+        for low, high in ((0, run_in), (length - run_in, length)):
+            panel.axvspan(low, high, lw=0, zorder=0, label=label, **shades.RUN_IN)
+            label = panels.HIDDEN
+
+
 def rolling(run):
     """Numbers of the rolling wheels: axles of constant force have no height and the program writes
     zeros. All wheels for older results without heights."""
@@ -126,10 +139,11 @@ def wheel_numbers(run, length, run_in, extremes):
     if not on_track(run, length).any():
         raise read.Unreadable("no wheel was on the track while histories were written")
     found = wheel_forces(run, length, run_in, extremes)
-    wheels = rolling(run)
+    wheels, where = rolling(run), " between the run-ins" if run_in > 0 else ""
     if "history/wheel/height" in run and wheels:
-        found |= track_measures.levels_of_rail(history(run, "wheel/x")[:, wheels[0]],
-                                               history(run, "wheel/height")[:, wheels[0]], length)
+        found |= track_measures.levels_of_rail(
+            history(run, "wheel/x")[:, wheels[0]], history(run, "wheel/height")[:, wheels[0]],
+            run_in, length - run_in, where)
     return found
 
 
@@ -160,11 +174,13 @@ def numbers(run, length, extremes=None, run_in=0):
 
 
 def draw_wheels(run, length, panel):
+    """The first axles are drawn wider, as others may have the same forces at the same places."""
     x, force = history(run, "wheel/x"), history(run, "wheel/force")
     shown = np.where(on_track(run, length), force / 1e3, np.nan)
     twice = two_rails(run)  # the wheels of an axle are then listed left before right
-    for i in (rolling(run) or range(shown.shape[1]))[:SHOWN_AXLES * (1 + twice)]:
-        panel.plot(x[:, i], shown[:, i], lw=0.8, label=panels.axle(i, twice))
+    drawn = (rolling(run) or range(shown.shape[1]))[:SHOWN_AXLES * (1 + twice)]
+    for i, width in zip(drawn, np.linspace(WIDEST, 0.8, len(drawn)) if len(drawn) > 1 else [0.8]):
+        panel.plot(x[:, i], shown[:, i], lw=width, label=panels.axle(i, twice))
     panel.set(xlabel="x of the wheel, m", ylabel="wheel force, kN")
 
 
@@ -299,12 +315,23 @@ def draw(run, length, deck):
     strip = places.pop(1) if above else None
     for draw_one, panel in zip(drawn, places):
         draw_one(run, length, panel)
+        if draw_one is draw_wheels:
+            shade_run_ins(panel, [deck])
         panel.grid(alpha=0.3)
         if panel.lines:
             panels.legend_above(panel, size=7)
     if above:
         draw_train_above(above, strip, places[1:])
+    figure.suptitle(panels.wrapped(title_of(deck), 8, 11), fontsize=11)
     return figure
+
+
+def title_of(deck):
+    """What runs over what."""
+    words = "Track on a ground" if deck.get("model") == "track_on_ground" else "Track without a bed"
+    train = deck.get("train", {})
+    names = ", ".join(train.get("vehicles", []))
+    return f"{words}: {names}, {3.6 * train.get('speed', 0):.0f} km/h" if names else words
 
 
 def sides(run, name, twice):
@@ -313,7 +340,7 @@ def sides(run, name, twice):
     return {", left": values[::2], ", right": values[1::2]} if twice else {"": values}
 
 
-def draw_envelope(run):
+def draw_envelope(run, deck):
     """Extremes of all steps along the track; None for results without them."""
     if "envelope/x" not in run:
         return None
@@ -338,6 +365,7 @@ def draw_envelope(run):
         grid[1, 0].set(ylabel="seat load, kN")
     grid[-1, 0].set(xlabel="x, m")
     for panel in grid[:, 0]:
+        shade_run_ins(panel, [deck])
         panel.grid(alpha=0.3)
         panels.legend_above(panel)
     return figure
@@ -429,7 +457,7 @@ def envelopes(run):
             yield x, factor * run[name].values.ravel()[::1 + twice], axis + side
 
 
-def draw_beside(names, runs):
+def draw_beside(names, runs, decks):
     """Envelopes of several runs in one picture; None if they have none in common."""
     found = [{axis: (x, values) for x, values, axis in envelopes(run)} for run in runs]
     axes = [axis for axis in found[0] if all(axis in one for one in found)]
@@ -442,6 +470,7 @@ def draw_beside(names, runs):
             panel.plot(*one[axis], ("-", "--", "-.", ":")[number % 4], lw=1, label=name)
         panel.set(ylabel=axis)
         panel.grid(alpha=0.3)
+        shade_run_ins(panel, decks)
     panels.legend_above(grid[0, 0])
     grid[-1, 0].set(xlabel="x, m")
     return figure
@@ -454,7 +483,7 @@ def warnings_of(folder, name):
 def compare_into(results, folder):
     """Table and picture of several runs beside each other."""
     names, runs = names_of(results), [opened(one) for one in results]
-    if picture := draw_beside(names, [run for run, _, _ in runs]):
+    if picture := draw_beside(names, *([one[k] for one in runs] for k in (0, 1))):
         folder.picture("compare", picture)
     text = table_beside(names, [found for _, _, found in runs])
     folder.table("compare.txt", text + "".join(map(warnings_of, results, names)))
@@ -466,14 +495,15 @@ def draw_into(results, folder):
     length = deck["track"]["length"]
     if histories := draw(run, length, deck):
         folder.picture("track", histories)
-    if along := draw_envelope(run):
+    if along := draw_envelope(run, deck):
         folder.picture("envelope", along)
     if levels := draw_levels(run, length, run_in_of(deck)):
         folder.picture("third_octaves", levels)
     if of_points := receptances(run):
         folder.picture("receptance", draw_receptances(*of_points))
         folder.file("receptance.csv", table_of(*of_points))
-    text = "".join(f"{name:60} {value:10.4g} {unit}\n" for name, (value, unit) in found.items())
+    wide = max(map(len, found), default=0)
+    text = "".join(f"{name:{wide}} {value:10.4g} {unit}\n" for name, (value, unit) in found.items())
     name = results[0].resolve().name
     folder.sentences += [f"{name}: {what}: {value:.4g} {unit}."
                          for what, (value, unit) in found.items() if "largest wheel force" in what]

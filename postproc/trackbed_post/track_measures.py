@@ -5,6 +5,7 @@ from trackbed_post import signals
 
 BANDS = {"D1": (3.0, 25.0), "D2": (25.0, 70.0), "D3": (70.0, 150.0)}  # m, EN 13848-1
 D1 = BANDS["D1"]
+ENDS = 3          # longest wavelengths: a longer record is judged without one of them at each end
 ORDER = 4         # of the Butterworth prototype; -3 dB at both limits
 
 
@@ -25,6 +26,18 @@ def band(values, step, wavelengths=D1):
     return passed[len(values):2 * len(values)]
 
 
+def even_places(x: np.ndarray) -> np.ndarray:
+    """Places, m, from the first to the last of these, evenly spaced at their median distance."""
+    return np.linspace(x[0], x[-1], int(round((x[-1] - x[0]) / np.median(np.diff(x)))) + 1)
+
+
+def inner(x: np.ndarray, longest: float = D1[1]) -> slice:
+    """Those of even places, m, that the continuation of the ends by the filter of a band does not
+    reach, whose longest wavelength is given, m; all of a short record."""
+    rows = int(round(longest / (x[1] - x[0]))) if x[-1] - x[0] >= ENDS * longest else 0
+    return slice(rows, len(x) - rows)
+
+
 def loaded_rail(x, height, begin, end, wavelengths=D1):
     """(x, m; part of these wavelengths, m, of the path of a wheel, m) between two places, as
     measured by a loaded axle. The height of a wheel is that of the loaded rail except for the
@@ -34,20 +47,20 @@ def loaded_rail(x, height, begin, end, wavelengths=D1):
     there, first = np.unique(x[on], return_index=True)
     if len(there) < 8:
         return np.array([]), np.array([])
-    even = np.linspace(there[0], there[-1], on.sum())
-    return even, band(np.interp(even, there, height[on][first]), even[1] - even[0],
-                      wavelengths)
+    even = even_places(there)
+    return even, band(np.interp(even, there, height[on][first]), even[1] - even[0], wavelengths)
 
 
-def levels_of_rail(x, height, length):
-    """Name -> (value, unit): level of the loaded rail under a wheel in D1, and in the longer bands
-    that fit the track."""
+def levels_of_rail(x, height, begin, end, where=""):
+    """Name -> (value, unit): level of the loaded rail under a wheel between two places in D1, and
+    in the longer bands that fit between them. `where`: words that state the places."""
     found = {}
     for name, (low, high) in BANDS.items():
-        path = loaded_rail(x, height, 0, length, (low, high))[1]
-        if len(path) and (name == "D1" or high <= length):
-            found[f"level of the loaded rail under the first wheel, wavelengths of {low:g} to "
-                  f"{high:g} m ({name}), root mean square"] = (1e3 * path.std(), "mm")
+        places, path = loaded_rail(x, height, begin, end, (low, high))
+        if len(path) and (name == "D1" or high <= end - begin):
+            found[f"level of the loaded rail under the first wheel{where}, {name} ({low:g} to "
+                  f"{high:g} m), standard deviation"] = \
+                (1e3 * path[inner(places, high)].std(), "mm")
     return found
 
 

@@ -96,7 +96,8 @@ def draw(panel: Axes, train: Train, places: collections.abc.Sequence[Place]) -> 
         _draw_row(panel, train, place, len(places) - 1 - number)
     panel.set_ylim(-0.15, len(places) - 0.2)
     panel.set_yticks([])
-    panel.set_ylabel("train as\nit passes,\nfront first", rotation=0, ha="right", va="center", fontsize=8)
+    panel.set_ylabel("train as\nit passes,\nfront first", rotation=0, ha="right", va="center",
+                     fontsize=8)
     panel.tick_params(labelbottom=False)
 
 

@@ -81,8 +81,8 @@ def limits(trains: list[Train], changes: list[Change]) -> str:
 
 
 def settlement(trains: list[Train], unsound: str = "") -> str:
-    """How far the sleepers that are not at the ends of the bed move, downwards and upwards; of sound
-    runs in which all of this is small that it is."""
+    """How far the sleepers that are not at the ends of the bed move, downwards and upwards; of
+    sound runs in which all of this is small that it is."""
     moved = [train.settlement_judged() for train in trains]
     if not unsound and max(np.abs(one).max() for one in moved) <= bed_warnings.SETTLES:
         run = " in either run" if len(trains) > 1 else ""

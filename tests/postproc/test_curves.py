@@ -238,6 +238,20 @@ def test_band_of_a_sweep(tmp_path, monkeypatch):
     assert panel.get_title().startswith("x = 3 m; ")
 
 
+def test_run_ins_are_shaded_below_envelopes_of_a_sweep(tmp_path, monkeypatch):
+    done = sweep.cases({"bed.seed": ["1", "2"]}, tmp_path)
+    deck = {"model": "track", "track": {"length": 4.0, "run_in": 1.0}}
+    monkeypatch.setattr(sweep.read, "origin", lambda folder: ("", deck))
+    for axis, quantity, count in (("m", "envelope/rail/displacement_min", 2),
+                                  ("s", "history/rail/displacement", 0)):
+        monkeypatch.setattr(curves, "of_runs", lambda *_, unit=axis: [
+            curves.Curve("made", X, unit, DOWN, "m")] * 2)
+        panel = sweep.draw(done, quantity, -1).axes[0]
+        assert len(panel.patches) == count
+        words = [text.get_text() for text in panel.get_legend().get_texts()]
+        assert words.count("run-in, not counted") == count // 2
+
+
 def test_cases_of_a_sweep(tmp_path):
     found = sweep.cases({"bed.seed": ["1", "2"], "pad.stiffness": ["1e8"], "x.a": ["[1, 2]"]},
                         tmp_path)

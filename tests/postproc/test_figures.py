@@ -188,6 +188,25 @@ def test_a_dip_of_the_reaction_between_two_axles_does_not_matter(runs):
     assert found.bed == pytest.approx(100e6, rel=1e-3) and found.hanging == 0
 
 
+@pytest.mark.parametrize("part, known", [(0.7, True), (0.6, False)])
+def test_a_loop_that_is_too_wide_has_no_stiffness(runs, part, known):
+    """Sleeper 4 has its largest reaction when it is down by this part of the most."""
+    run = runs[0]
+    time = run.time - run.time[run.passage()][0]
+    press = np.interp(time, [0.2, 0.6, 1.0], [0, 1, 0])
+    way = np.repeat(0.3e-3 * press[:, None], len(run.sleepers_x), axis=1)
+    way[:, 4] = 0.3e-3 * np.interp(time, [0.2, 0.6, 1.0, 1.4], [0, part, 1, 0])
+    run = dataclasses.replace(with_support(run, way, np.repeat(
+        (2e3 + 30e3 * press)[:, None], len(run.sleepers_x), axis=1)), ground={})
+    found = support.of(run)
+    assert np.isfinite(np.delete(found.bed, 4)).all() and np.isfinite(found.bed[4]) == known
+    assert list(np.flatnonzero(found.unclear)) == ([] if known else [4])
+    assert found.whole[4] == pytest.approx(30e3 / (part * 0.3e-3), rel=1e-2)
+    title = support_figure.draw([run]).axes[1].get_title()
+    assert title.endswith("2/3 of its maximum: 1") != known
+    bed_on_ground.plt.close("all")
+
+
 def test_bed_and_ground_are_springs_in_series(runs):
     """Stones that become softer under load, on a ground: both stiffnesses are of one increase of
     the reaction, so that their compliances differ by that of the ground."""

@@ -70,9 +70,9 @@ def test_a_track_shows_the_levels_of_wheels_and_sleepers(tmp_path):
 
 def test_long_bands_need_a_long_track():
     x = np.arange(0, 100, 0.1)
-    found = track_measures.levels_of_rail(x, 2e-3 * np.cos(2 * np.pi * x / 50), 100)
+    found = track_measures.levels_of_rail(x, 2e-3 * np.cos(2 * np.pi * x / 50), 0, 100)
     assert len(found) == 2
-    value, unit = next(one for name, one in found.items() if "25 to 70 m (D2)" in name)
+    value, unit = next(one for name, one in found.items() if "D2 (25 to 70 m)" in name)
     # In the middle of D2; at both ends the record is continued by its mirror image.
     assert unit == "mm" and value == pytest.approx(2 / np.sqrt(2), rel=0.05)
-    assert len(track_measures.levels_of_rail(x, 0 * x, 60)) == 1
+    assert len(track_measures.levels_of_rail(x, 0 * x, 0, 60)) == 1

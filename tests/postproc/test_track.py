@@ -3,7 +3,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from made import store
-from trackbed_post import read, track_figures, track_measures, write
+from trackbed_post import geometry, read, track_figures, track_measures, write
 
 
 def made(sleepers=True):
@@ -134,7 +134,7 @@ def test_run_without_points_of_the_rail():
 
 
 def test_envelope():
-    assert track_figures.draw_envelope(made()) is None  # results of an older version
+    assert track_figures.draw_envelope(made(), {}) is None  # results of an older version
     x = np.repeat([0.0, 0.6, 1.2], 2)
     along = {"x": x, "rail/displacement_min": -1e-3 - 1e-4 * np.arange(6),
              "rail/displacement_max": 1e-4 * np.arange(6)}
@@ -142,7 +142,7 @@ def test_envelope():
     along["sleeper/seat_force_max"] = 1e3 * np.arange(6)
     figure = track_figures.draw_envelope(made() | {
         f"envelope/{name}": read.Quantity(values, "-", "made for a test")
-        for name, values in along.items()})
+        for name, values in along.items()}, {})
     rail, seat = figure.axes
     lines = {line.get_label(): line.get_ydata() for line in rail.lines + seat.lines}
     assert np.allclose(lines["rail, right"], [-1.1, -1.3, -1.5])
@@ -264,3 +264,70 @@ def test_seat_loads_have_no_rail_and_no_forces_on_it(tmp_path, monkeypatch):
     assert "sleeper at 4.8 m, largest downward displacement" in printed
     assert not any("rail" in word for word in (printed, *labels))
     assert all(panel.lines for figure in drawn.values() for panel in figure.axes)
+
+
+DECK = {"model": "track", "track": {"length": 150.0, "run_in": 6.0},
+        "train": {"vehicles": ["coach"], "speed": 10.0}}
+
+
+def rolled():
+    """A wheel whose path has waves of 10 m, with a rise of 5 mm in the last run-in."""
+    x = np.linspace(0, 150, 3001)
+    path = 1e-3 * np.sin(2 * np.pi * x / 10) + 5e-3 * np.clip(x - 146, 0, 1)
+    columns = {"history/time": x / 10, "history/wheel/x": x[:, None], "rail/x": np.array([5.0]),
+               "history/wheel/force": np.full((3001, 1), 50e3),
+               "history/wheel/height": path[:, None]}
+    return {name: read.Quantity(values, "m", "made for a test")
+            for name, values in columns.items()}
+
+
+def test_the_level_of_the_loaded_rail_is_that_of_the_command_geometry(monkeypatch):
+    run = rolled()
+    found = track_figures.numbers(run, 150.0, run_in=6.0)
+    name = "level of the loaded rail under the first wheel between the run-ins, D1 (3 to 25 m), " \
+        "standard deviation"
+    monkeypatch.setattr(geometry.read, "origin", lambda folder: ("", DECK))
+    monkeypatch.setattr(geometry.read, "datasets", lambda folder: run)
+    level = geometry.of_run("made")
+    assert found[name] == geometry.numbers(level)["D1, rail: standard deviation"]
+    assert found[name][0] == pytest.approx(1 / np.sqrt(2), rel=0.01)
+
+
+def shaded(figure):
+    """The shaded stretches of the panels that have any, m."""
+    return [sorted((one.get_extents().transformed(panel.transData.inverted()).intervalx.tolist()
+                    for one in panel.patches)) for panel in figure.axes if panel.patches]
+
+
+def test_run_ins_are_shaded_where_numbers_leave_them_out():
+    """Over x in track.png, envelope.png and compare.png."""
+    x, ends = np.linspace(0, 150, 51), [[0, 6], [144, 150]]
+    along = {f"envelope/{name}": read.Quantity(values, "-", "made for a test") for name, values in (
+        ("x", x), ("rail/displacement_min", -1e-3 + 0 * x), ("rail/displacement_max", 0 * x),
+        ("sleeper/seat_force_max", 1e3 + 0 * x))}
+    run = rolled() | along
+    bridge = DECK | {"track": {**DECK["track"], "support": "none"}}
+    for deck, each in ((DECK, ends), (bridge, None)):
+        for figure, count in ((track_figures.draw(run, 150, deck), 1),
+                              (track_figures.draw_envelope(run, deck), 2),
+                              (track_figures.draw_beside("ab", [run, run], [deck, deck]), 2)):
+            found = shaded(figure)
+            assert len(found) == (count if each else 0)
+            assert all(np.allclose(one, ends) for one in found)
+            words = [text.get_text() for panel in figure.axes if panel.get_legend()
+                     for text in panel.get_legend().get_texts()]
+            assert ("run-in, not counted" in words) == bool(each)
+    plt.close("all")
+
+
+def test_no_axle_is_hidden_and_the_title_names_the_train():
+    """All four have the same forces at the same places: the later ones are narrower."""
+    run = rolled()
+    for name in ("x", "force", "height"):
+        values = run[f"history/wheel/{name}"].values.repeat(4, axis=1)
+        run[f"history/wheel/{name}"] = read.Quantity(values, "", "")
+    figure = track_figures.draw(run, 150, DECK)
+    widths = [line.get_linewidth() for line in figure.axes[0].lines]
+    assert len(widths) == 4 and (np.diff(widths) < -0.5).all()
+    assert figure._suptitle.get_text() == "Track without a bed: coach, 36 km/h"
+    plt.close(figure)
