@@ -212,7 +212,8 @@ def bonds(runs):
                 (last.broken, read.BROKEN, "broken", {"marker": "x", "color": colour})):
             places.scatter(rows[:, column["x"]], rows[:, column["z"]], s=16,
                            label=f"{len(rows)} {words}", **look)
-        places.set(xlabel="x along the track (m)", ylabel="z (m)", aspect="equal", title=run.name)
+        places.set(xlabel="x along the track (m)", ylabel="z (m)", aspect="equal", title=run.name,
+                   label=run.name)
     panels[0].set(xlabel="simulated time (s)", ylabel="whole bonds")
     for panel in panels:
         panel.grid(alpha=0.3)

@@ -2,7 +2,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measures, signals, train_strip
+from trackbed_post import figure_csv, measures, signals, train_strip
 from trackbed_post.bed_figures import COLOURS, mark_stages, needs
 from trackbed_post.panels import LINES, UP, wrapped
 
@@ -71,7 +71,8 @@ def stress_paths(runs):
             mean, deviator = measures.invariants(stress, plane)
             text = f"{run.name}: {name}"
             path.plot(mean / 1e3, deviator / 1e3, style, lw=0.8, color=f"C{number}", label=text)
-            path.plot(mean[0] / 1e3, deviator[0] / 1e3, "o", ms=4, color=f"C{number}")
+            start, = path.plot(mean[0] / 1e3, deviator[0] / 1e3, "o", ms=4, color=f"C{number}")
+            figure_csv.name(start, f"{text}, start")
             turn.plot(time, unbroken(np.degrees(measures.principal_direction(stress))), style,
                       lw=0.8, color=f"C{number}", label=text)
     path.set_xlabel("s = (s1 + s3)/2 (kPa)" if plane else "mean compression p (kPa)")
@@ -161,6 +162,7 @@ def energy_split(runs):
                    label="supplied less stored")
         parts = ", ".join(f"{measures.DISSIPATED[name]} {values[-1]:.3g}"
                           for name, values in split.dissipated.items())
+        panel.set_label(run.name)
         panel.set_title(f"{run.name}, last stage (J): supplied {split.supplied[-1]:.3g},\n"
                         f"{parts}; missing {split.missing[-1]:.2g}", fontsize=9)
         panel.set_xlabel("time since the last stage began (s)")

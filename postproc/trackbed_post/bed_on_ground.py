@@ -78,7 +78,8 @@ def stress(runs):
         order = np.argsort(run.ground_x)
         x = run.ground_x[order]
         compression = -run.ground_envelope["sigma_z_min"].values[order] / 1e3
-        panel.plot(x, compression, color=colour, lw=0.7, alpha=0.6)
+        nodes, = panel.plot(x, compression, color=colour, lw=0.7, alpha=0.6)
+        figure_csv.name(nodes, f"{run.name}, each node")
         mean = measures.smoothed(x, compression, measures.spacing(run))
         panel.plot(x, mean, color=colour, lw=2,
                    label=f"{run.name} (bold: mean over one sleeper spacing)")
@@ -277,6 +278,7 @@ def force_chains(runs):
             panel.set_xlim(middle - CHAIN_WINDOW / 2, middle + CHAIN_WINDOW / 2)
         panel.set_ylim(np.min(z) - 0.02, np.max(z) + 0.05)
         panel.set_xlabel("x along the track (m)")
+        panel.set_label(f"end of stage {name}" if number else f"whole bed, end of stage {name}")
         panel.set_title(f"{run.name}, {load_text(run, name)}: {len(chains.force)} contacts, "
                         f"thickest line {strongest[name] / 1e3:.1f} kN", fontsize=9)
     return figure

@@ -6,6 +6,7 @@ import io
 import weakref
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import Collection, LineCollection, PolyCollection
 from matplotlib.figure import Figure
@@ -17,6 +18,15 @@ Rows = collections.abc.Iterator[Row]
 # What the members of a collection stand for: (quantity with its unit, a value of each).
 _STATED: weakref.WeakKeyDictionary[Collection, tuple[str, np.ndarray]] = \
     weakref.WeakKeyDictionary()
+
+
+# Names of artists that legends show under another name, or not.
+_NAMES: weakref.WeakKeyDictionary[Artist, str] = weakref.WeakKeyDictionary()
+
+
+def name(artist: Artist, words: str) -> None:
+    """The name of a line or of a collection in CSV; by default it is its label in the legend."""
+    _NAMES[artist] = words
 
 
 def state(collection: Collection, quantity: str, values: np.ndarray) -> None:
@@ -32,8 +42,8 @@ def axis_label(panel: Axes, which: str) -> str:
     return " ".join(next((label for label in labels if label), "").split())
 
 
-def _name_of(artist: object, otherwise: str) -> str:
-    label = getattr(artist, "get_label")()
+def _name_of(artist: Artist, otherwise: str) -> str:
+    label = _NAMES.get(artist, str(artist.get_label()))
     return otherwise if not label or label.startswith("_") else " ".join(label.split())
 
 
@@ -89,14 +99,16 @@ def _text(value: float | str) -> str:
 
 
 def of_figure(figure: Figure) -> str:
-    """CSV with a row for each point: title of the panel, labels of its axes, name of the line, x
-    and y as they are drawn, and the value of a point or line that has one. Empty for a picture
-    that shows nothing of this kind."""
+    """CSV with a row for each point: name of the panel, labels of its axes, name of the line, x and
+    y as they are drawn, and the value of a point or line that has one. The name of a panel is its
+    label as an artist (set_label), otherwise its number: titles change with the results. Empty for
+    a picture that shows nothing of this kind."""
     rows = []
     for number, panel in enumerate(figure.axes):
-        if panel.get_label() == "<colorbar>":
+        label = str(panel.get_label())
+        if label == "<colorbar>":
             continue
-        head = (" ".join(panel.get_title().split()) or f"panel {number + 1}",
+        head = (f"panel {number + 1}" if not label or label.startswith("_") else label,
                 axis_label(panel, "x"), axis_label(panel, "y"))
         rows += [(*head, name, _text(x), _text(y), _text(value), quantity)
                  for drawn in (_lines(panel), _collections(panel))

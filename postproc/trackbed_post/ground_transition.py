@@ -156,7 +156,8 @@ NOTES = (
     "stresses: added by the passage; without weight of the bed and static preload",
     "residual displacement of sleeper and ground: of a sleeper in the last row, the ground below "
     "it included, negative if it is raised; the largest may be smaller than the largest settlement "
-    "into the bed (transition.txt), which is relative to the ground: this still vibrates and may be above its level at rest")
+    "into the bed (transition.txt), which is relative to the ground: this still vibrates and may "
+    "be above its level at rest")
 
 
 PLACES = ("plain_begin", "plain_end", "steepest_x")

@@ -8,7 +8,7 @@ the numbers, sources of the published values, and reasons for differences: docs/
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import heap, read
+from trackbed_post import figure_csv, heap, read
 
 GRAVITY = 9.81   # m/s^2
 SMOOTH = 1e-3    # m of displacement over which stresses are averaged; a row is a mean over a window
@@ -240,7 +240,9 @@ def draw_compression(runs, folder):
         lines.append(f"published           {name}: {ends[0]:g} to {ends[1]:g} MPa")
         most = axes.get_ylim()[1] * 1e3
         for modulus in ends:
-            axes.plot([0, 100 * most / (1e6 * modulus)], [0, most / 1e3], "--", color="0.5", lw=1)
+            line, = axes.plot([0, 100 * most / (1e6 * modulus)], [0, most / 1e3], "--",
+                              color="0.5", lw=1)
+            figure_csv.name(line, f"{modulus:g} MPa: {name}")
         axes.plot([], [], "--", color="0.5", label=f"{ends[0]:g} and {ends[1]:g} MPa: {name}")
     axes.set_xlabel("strain, %")
     axes.set_ylabel("pressure of the platen, kPa")
@@ -294,13 +296,15 @@ def draw_heaps(runs, folder):
         if len(points):
             slope, foot = np.polyfit(points[:, 0], points[:, 1], 1)
             reach = np.array([0, -foot / slope])
-            axes.plot(reach, foot + slope * reach, color=f"C{k}", lw=1)
+            line, = axes.plot(reach, foot + slope * reach, color=f"C{k}", lw=1)
+            figure_csv.name(line, f"{run.name}: fitted flank")
         lines.append(f"{run.name:19} {angle:20.1f} {scatter:34.1f} {stones:8}")
     for name, (low, high) in PUBLISHED_REPOSE.items():
         lines.append(f"published           {name}: {low:g} to {high:g} deg")
         for angle in (low, high):
-            axes.plot(reach, reach[-1] * np.tan(np.radians(angle)) - np.tan(np.radians(angle))
-                      * reach, "--", color="0.5", lw=1)
+            line, = axes.plot(reach, reach[-1] * np.tan(np.radians(angle))
+                              - np.tan(np.radians(angle)) * reach, "--", color="0.5", lw=1)
+            figure_csv.name(line, f"{angle:g} deg: {name}")
         axes.plot([], [], "--", color="0.5", label=f"{low:g} and {high:g} deg: {name}")
     axes.set_aspect("equal")
     axes.set_xlabel("radius of a circle with the area of the heap at this height, m")

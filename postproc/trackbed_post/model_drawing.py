@@ -163,9 +163,11 @@ class Scene:
             self._box(place - width / 4, top, width / 2, foot - top, lw=0, facecolor=PACKING,
                       zorder=3)
             if not on_bed:
-                self.panel.plot(place + 0.06 * np.array([0, 1, -1, 1, -1, 1, -1, 0]),
-                                np.linspace(0, top - height, 8), lw=0.8, color="0.3")
-                self.panel.plot([place - 0.2, place + 0.2], [0, 0], lw=1.2, color="0.3")
+                for line in (*self.panel.plot(place + 0.06 * np.array([0, 1, -1, 1, -1, 1, -1, 0]),
+                                              np.linspace(0, top - height, 8), lw=0.8, color="0.3"),
+                             *self.panel.plot([place - 0.2, place + 0.2], [0, 0], lw=1.2,
+                                              color="0.3")):
+                    figure_csv.name(line, f"spring at x = {place:.2f} m")
         self.panel.text(self.ends[0] + 0.1, -0.08, "sleepers\non springs", fontsize=8, va="top",
                         clip_on=True)
         self._box(max(begin, self.ends[0]), foot, min(end, self.ends[1]) - max(begin, self.ends[0]),

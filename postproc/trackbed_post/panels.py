@@ -10,6 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullLocator
 from matplotlib.transforms import IdentityTransform, ScaledTranslation
 
+from trackbed_post import figure_csv
+
 LINES = ("-", "--", "-.", ":")  # of runs in turn
 MARKERS = "osv^DP*X"            # of measured curves, or of axles, in turn
 DENSE = 100                     # points of a measured curve; with more it is a dotted line
@@ -47,9 +49,10 @@ def mark_ends(panel: Axes, line: Line2D, ends: np.ndarray, label: str) -> None:
     """Hollow marks over those that a line has at the sleepers at the ends of a bed; `label`: END,
     or HIDDEN where the legend has it already."""
     if ends.any():
-        panel.plot(np.asarray(line.get_xdata())[ends], np.asarray(line.get_ydata())[ends], ls="",
-                   marker=str(line.get_marker()), color=line.get_color(), ms=3, mfc="white",
-                   mew=0.8, zorder=3, label=label)
+        marks, = panel.plot(np.asarray(line.get_xdata())[ends], np.asarray(line.get_ydata())[ends],
+                            ls="", marker=str(line.get_marker()), color=line.get_color(), ms=3,
+                            mfc="white", mew=0.8, zorder=3, label=label)
+        figure_csv.name(marks, f"{line.get_label()}, end of the bed")
 
 
 def wrapped(text: str, wide: float, size: float = 10) -> str:

@@ -138,6 +138,8 @@ def stages(runs: collections.abc.Sequence[read.Results]) -> plt.Figure:
     figure, panels = plt.subplots(len(rows), len(shown), sharex="col", sharey="row", squeeze=False,
                                   figsize=(2 + WIDTH * len(shown), 1.5 + 2 * len(rows)))
     for column, stage in zip(panels.T, shown):
+        for panel in column:
+            panel.set_label(f"stage {stage}")
         for run, style in zip(runs, LINES):
             draw_stage(column, run, stage, rows, style)
     label(panels, rows, shown)

@@ -2,7 +2,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import ground_blocks, measures, panels, support
+from trackbed_post import figure_csv, ground_blocks, measures, panels, support
 from trackbed_post.bed_figures import needs
 
 COLUMN = 14 / 3  # inches, of a panel with its labels
@@ -18,7 +18,9 @@ def mark_hanging(runs, stiff, gaps):
             continue
         for panel, values in ((stiff, found.bed / 1e6), (stiff, found.whole / 1e6),
                               (gaps, found.gap * 1e3)):
-            panel.plot(x[hangs], values[hangs], "o", ms=9, mfc="none", mec="k", mew=1, label=label)
+            rings, = panel.plot(x[hangs], values[hangs], "o", ms=9, mfc="none", mec="k", mew=1,
+                                label=label)
+            figure_csv.name(rings, f"{run.name}, hangs")
             label = "_"  # in one legend, once
 
 

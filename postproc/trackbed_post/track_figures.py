@@ -13,8 +13,8 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (panels, passage_warnings, read, shades, signals, third_octaves,
-                           track_measures, train_strip)
+from trackbed_post import (figure_csv, panels, passage_warnings, read, shades, signals,
+                           third_octaves, track_measures, train_strip)
 
 FILTER = signals.LowPass()
 SHOWN_AXLES = 4  # axles of the first rolling vehicle
@@ -355,9 +355,11 @@ def draw_envelope(run, deck):
         most = sides(run, f"envelope/{what}/displacement_max", twice)
         for side, least in sides(run, f"envelope/{what}/displacement_min", twice).items():
             line, = grid[0, 0].plot(x, 1e3 * least, "-" if what == "rail" else "--", lw=0.9,
-                                      label=f"{what}{side}")
-            grid[0, 0].plot(x, 1e3 * most[side], line.get_linestyle(), lw=0.9,
-                              color=line.get_color())
+                                    label=f"{what}{side}")
+            above, = grid[0, 0].plot(x, 1e3 * most[side], line.get_linestyle(), lw=0.9,
+                                     color=line.get_color())
+            for one, end in ((line, "least"), (above, "largest")):
+                figure_csv.name(one, f"{what}{side}, {end}")
     grid[0, 0].set(ylabel=f"least and largest\ndisplacement, {panels.UP}")
     if seats:
         for side, most in sides(run, "envelope/sleeper/seat_force_max", twice).items():

@@ -6,8 +6,9 @@ import textwrap
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (bed_warnings, film_files, ground_blocks, judgement, measures,
-                           model_drawing, panels, read, shades, transition_verdict, write)
+from trackbed_post import (bed_warnings, figure_csv, film_files, ground_blocks, judgement,
+                           measures, model_drawing, panels, read, shades, transition_verdict,
+                           write)
 from trackbed_post.zones import REACHED
 
 # Blue and orange differ for colour-blind readers; lines differ by style, too, for grey prints.
@@ -69,7 +70,8 @@ def draw_judged(panel, x, values, span, label, **style):
     judged = (x >= span[0] - measures.TINY) & (x <= span[1] + measures.TINY)
     first, last = np.flatnonzero(judged)[[0, -1]]
     for part in (slice(first + 1), slice(last, None)):
-        panel.plot(x[part], values[part], alpha=LIGHT, label=panels.HIDDEN, **style)
+        light, = panel.plot(x[part], values[part], alpha=LIGHT, label=panels.HIDDEN, **style)
+        figure_csv.name(light, f"{label}, not judged")
     panel.plot(x[judged], values[judged], label=label, **style)
 
 
@@ -126,7 +128,9 @@ def compare(trains, changes, titles, sentence):
         bracket_zones(level, trains[0], changes[0].zone)
     name_axes(force, level, settled)
     figure.suptitle(model_drawing.heading(trains[0].run), fontsize=11)
-    for panel, title in zip((level, force, settled), titles):
+    for panel, title, name in zip((level, force, settled), titles,
+                                  ("level", "wheel force", "sleepers after the train")):
+        panel.set_label(name)
         shades.shade(panel, stretches)
         panel.grid(alpha=0.3)
         panels.legend_above(panel)

@@ -81,6 +81,36 @@ def test_displacements_on_axes_are_up_positive(runs, monkeypatch):
     plt.close("all")
 
 
+def test_lines_in_csv_have_the_run_and_panels_short_names(monkeypatch, runs):
+    """Also those that the legend has under another name, or not at all."""
+    shown, support = drawn_transition(monkeypatch), support_figure.draw([runs[0]])
+    found = names_in_csv(shown)
+    assert list(found) == ["level", "wheel force", "sleepers after the train"]
+    assert {"rail, with wedge", "rail, with wedge, not judged", "sleepers, without wedge",
+            "sleepers, without wedge, end of the bed"} < found["level"]
+    assert found["sleepers after the train"] == {
+        f"{run} wedge{what}" for run in ("with", "without") for what in ("", ", end of the bed")}
+    assert names_in_csv(support)["panel 3"] == {"wedge", "wedge, end of the bed", "wedge, hangs"}
+    assert names_in_csv(bed_on_ground.stress(runs))["panel 1"] == {
+        f"{run.name}{what}" for run in runs
+        for what in (", each node", " (bold: mean over one sleeper spacing)")}
+    stages = names_in_csv(stage_histories.stages(runs))
+    assert list(stages) == ["stage load", "stage passage"]
+    for figure in (shown, support, bed_histories.stress_paths(runs), train_figures.draw(
+            train_figures.Passing(*test_train.made()), []), bed_on_ground.envelope(runs)):
+        assert not any(name.startswith("line ") for names in names_in_csv(figure).values()
+                       for name in names)
+    plt.close("all")
+
+
+def names_in_csv(figure):
+    """Panel -> the names of its lines."""
+    found = {}
+    for row in csv.DictReader(figure_csv.of_figure(figure).splitlines()):
+        found.setdefault(row["panel"], set()).add(row["line"])
+    return found
+
+
 def test_marks_and_brackets_are_no_data_of_a_figure(monkeypatch):
     figure = drawn_transition(monkeypatch)
     panel = figure.axes[0]

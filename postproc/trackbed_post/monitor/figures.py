@@ -4,7 +4,7 @@ import csv
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import read
+from trackbed_post import figure_csv, read
 from trackbed_post.monitor import displacement
 from trackbed_post.monitor.trends import AVERAGED, QUANTITIES
 from trackbed_post.panels import UP
@@ -44,9 +44,13 @@ def trends(table, wavelengths):
             panel.errorbar(rows[trusted], values[trusted], None if bars is None else bars[trusted],
                            fmt=".", ms=3, lw=0.5, color=f"C{number}",
                            label=plain(name) or "no library")
-            panel.plot(rows[~trusted], values[~trusted], "x", ms=3, color=f"C{number}")
+            drawn = [(panel.plot(rows[~trusted], values[~trusted], "x", ms=3, color=f"C{number}"),
+                      "misfit")]
             if len(rows) >= AVERAGED:
-                panel.plot(rows, averaged(values, trusted), color=f"C{number}", lw=1)
+                drawn.append((panel.plot(rows, averaged(values, trusted), color=f"C{number}", lw=1),
+                              f"mean of {AVERAGED} passages"))
+            for (line,), what in drawn:
+                figure_csv.name(line, f"{plain(name) or 'no library'}, {what}")
     for panel, label in zip(panels, QUANTITIES.values()):
         panel.set_ylabel(label)
         panel.grid(alpha=0.3)

@@ -6,7 +6,7 @@ import io
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import read
+from trackbed_post import figure_csv, read
 from trackbed_post.settlement import course, laws, traffic
 
 POINTS = 200  # of a curve
@@ -160,11 +160,14 @@ def forecast_table(forecast, days, curves):
 def draw_course(panel, name, found, fits, colour):
     """Jumps as dotted lines; sleepers pale."""
     from_one = np.maximum(found.cycles, 0.5)
-    panel.plot(from_one, 1e3 * found.settled, "-", color=colour, lw=0.4, alpha=0.35)
+    for number, line in enumerate(panel.plot(from_one, 1e3 * found.settled, "-", color=colour,
+                                             lw=0.4, alpha=0.35), 1):
+        figure_csv.name(line, f"{name}, sleeper {number}")
     panel.plot(from_one, 1e3 * found.mean(), "-", color=colour, lw=1.6, label=f"{name}, mean")
     for row in np.flatnonzero(found.jump):
-        panel.plot(found.cycles[row - 1:row + 1], 1e3 * found.mean()[row - 1:row + 1], "o:",
-                   color=colour, ms=5, mfc="white")
+        jump, = panel.plot(found.cycles[row - 1:row + 1], 1e3 * found.mean()[row - 1:row + 1],
+                           "o:", color=colour, ms=5, mfc="white")
+        figure_csv.name(jump, f"{name}, jump")
     cycles = np.geomspace(1, found.cycles[-1], POINTS)
     for fit, style in zip(fits, ("--", "-.")):
         panel.plot(cycles, 1e3 * fit.at(cycles), style, color="0.3", lw=1,
