@@ -4,7 +4,7 @@ import numpy as np
 
 from trackbed_post import figure_csv, measures, signals, train_strip
 from trackbed_post.bed_figures import COLOURS, mark_stages, needs
-from trackbed_post.panels import LINES, UP, wrapped
+from trackbed_post.panels import LINES, UP, legend_below, wrapped
 
 FILTER = signals.LowPass()
 MOST = 4              # sensors below the train
@@ -140,10 +140,10 @@ def energy(runs):
     mark_stages(panels, runs)
     for panel in panels:
         panel.grid(alpha=0.3)
-    panels[0].legend(fontsize=8)
     panels[0].set_title(wrapped("Energies of the stones\n"
                                 + "; ".join(text), 9), fontsize=10)
     panels[-1].set_xlabel("simulated time (s)")
+    legend_below(panels[-1], columns=4)
     return figure
 
 

@@ -275,9 +275,9 @@ def _named(what: str, found: Difference) -> str:
     return f"{name} ({found.of_itself:+.0%} of the jump itself, as in the table){relative}{to}"
 
 
-ON_GROUND = ("these are verdicts on the ground's surface; those on the level of the rail, over "
-             "which the train runs, are in transition.txt and may differ, since stones and rail "
-             "are between both")
+ON_GROUND = ("the lines below are about the ground's surface; those about the level of the rail, "
+             "over which the train runs, are in transition.txt and may differ, since stones and "
+             "rail are between both")
 WIDTH = "width of the transition"
 STEEPEST = "steepest slope of the ground, whole line"
 JUMP = "change of the stress jump relative to the mean stress at the edge"
