@@ -84,6 +84,8 @@ def test_displacements_on_axes_are_up_positive(runs, monkeypatch):
 def test_lines_in_csv_have_the_run_and_panels_short_names(monkeypatch, runs):
     """Also those that the legend has under another name, or not at all."""
     shown, support = drawn_transition(monkeypatch), support_figure.draw([runs[0]])
+    label = " ".join(shown.axes[2].get_ylabel().split())
+    assert label == f"sleepers after the train, relative to the ground, {panels.UP}"
     found = names_in_csv(shown)
     assert list(found) == ["level", "wheel force", "sleepers after the train"]
     assert {"rail, with wedge", "rail, with wedge, not judged", "sleepers, without wedge",
