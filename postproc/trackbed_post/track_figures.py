@@ -13,8 +13,8 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (figure_csv, panels, passage_warnings, read, shades, signals,
-                           third_octaves, track_measures, train_strip)
+from trackbed_post import (figure_csv, panels, passage_warnings, read, receptance_figure, shades,
+                           signals, third_octaves, track_measures, train_strip)
 
 FILTER = signals.LowPass()
 SHOWN_AXLES = 4  # axles of the first rolling vehicle
@@ -199,29 +199,6 @@ def receptances(run):
     for x, up in zip(places(run, "rail/x"), history(run, "rail/displacement").T):
         frequency, found[x] = track_measures.receptance(time, force, -up)
     return frequency, found
-
-
-def draw_receptances(frequency, found):
-    figure, (size, phase) = plt.subplots(2, 1, figsize=(8, 7), sharex=True, layout="constrained")
-    for name, values in found.items():
-        size.loglog(frequency, np.abs(values), lw=0.9, label=f"rail at {name}")
-        phase.semilogx(frequency, np.degrees(np.angle(values)), lw=0.9)
-    size.set(ylabel="receptance, m/N")
-    phase.set(ylabel="phase, degrees", xlabel="frequency, Hz")
-    for panel in (size, phase):
-        panel.grid(alpha=0.3, which="both")
-    size.legend(fontsize=7)
-    return figure
-
-
-def table_of(frequency, found):
-    """Receptances as CSV."""
-    head = ["frequency_Hz", *(f"{part} rail at {name} m/N" for name in found
-                              for part in ("real", "imaginary"))]
-    columns = [frequency, *(part for values in found.values()
-                            for part in (values.real, values.imag))]
-    rows = [",".join(f"{value:.9g}" for value in row) for row in zip(*columns)]
-    return "\n".join([",".join(head), *rows]) + "\n"
 
 
 def draw_forces(run, _, panel):
@@ -502,8 +479,8 @@ def draw_into(results, folder):
     if levels := draw_levels(run, length, run_in_of(deck)):
         folder.picture("third_octaves", levels)
     if of_points := receptances(run):
-        folder.picture("receptance", draw_receptances(*of_points))
-        folder.file("receptance.csv", table_of(*of_points))
+        folder.picture("receptance", receptance_figure.draw(*of_points))
+        folder.file("receptance.csv", receptance_figure.table(*of_points))
     wide = max(map(len, found), default=0)
     text = "".join(f"{name:{wide}} {value:10.4g} {unit}\n" for name, (value, unit) in found.items())
     name = results[0].resolve().name

@@ -3,7 +3,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from made import store
-from trackbed_post import geometry, read, track_figures, track_measures, write
+from trackbed_post import geometry, read, receptance_figure, track_figures, track_measures, write
 
 
 def made(sleepers=True):
@@ -194,8 +194,8 @@ def test_receptance_of_an_impact():
     assert frequency[0] == pytest.approx(0.5) and 500 < frequency[-1] < 1000
     exact = 1 / (4e7 + 2j * np.pi * frequency * 1e4 - 100 * (2 * np.pi * frequency)**2)
     assert np.allclose(found["5 m"], exact, rtol=1e-6)
-    assert len(track_figures.table_of(frequency, found).splitlines()) == len(frequency) + 1
-    for figure in (track_figures.draw_receptances(frequency, found),
+    assert len(receptance_figure.table(frequency, found).splitlines()) == len(frequency) + 1
+    for figure in (receptance_figure.draw(frequency, found),
                    track_figures.draw(run, 20, {})):
         plt.close(figure)
     assert "rail at 5 m, largest downward displacement" in track_figures.numbers(run, 20)
