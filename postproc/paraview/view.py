@@ -19,12 +19,12 @@ import sys
 import numpy as np
 from paraview import servermanager, simple
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from framing import (CORNER, LONG, SIDE, UP, camera, depth_limited, joined,  # noqa: E402
-                     nearest_to_middle, window)
+# The file alone: ParaView and h5py, which the package needs, may bring different HDF5 libraries.
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "trackbed_post"))
+from framing import (CORNER, LONG, MOST, SIDE, UP, camera, depth_limited,  # noqa: E402
+                     highest_speed, joined, passing, window)
 
 ABOVE_RAIL = 0.05       # m, shown above the lowest point of the rail if there is no wheel
-MOST = 99               # per cent of the stones whose speed is within the colours
 BLACK, GREY, STEEL = [0.0, 0.0, 0.0], [0.62, 0.6, 0.57], [0.25, 0.27, 0.3]
 PALE, BROWN, BLUE = [0.75, 0.74, 0.72], [0.55, 0.34, 0.29], [0.72, 0.77, 0.82]
 WHOLE = ("stones", "contacts", "bonds")  # not cut at the ends of the picture
@@ -145,14 +145,6 @@ def balls_of(stones):
     points = simple.CellDatatoPointData(registrationName="ball values", Input=alone)
     return simple.Glyph(registrationName="spheres", Input=points, GlyphType="Sphere",
                         ScaleArray=["POINTS", "radius"], ScaleFactor=2.0, GlyphMode="All Points")
-
-
-def highest_speed(velocity, stone):
-    """Speed of all but the fastest stones, m/s, of the velocity of each cell, [cell, 3], and the
-    number of its stone, which may have many cells; 0 without a cell."""
-    _, first = np.unique(stone, return_index=True)
-    speed = np.linalg.norm(velocity[first], axis=1)
-    return float(np.percentile(speed, MOST)) if len(speed) else 0.0
 
 
 def limit_speeds(stones, bar):
@@ -287,12 +279,8 @@ def instant(sources, train, given, bed):
     if given is not None:
         now = min(times, key=lambda time: abs(time - given))
         candidates = [now] if now in candidates else []
-    found = [(*near, time) for time in candidates
-             if (near := nearest_to_middle(wheels_at(train, time), *bed))]
-    if not found:
-        return times, times[-1] if given is None else now, None
-    _, wheel, time = min(found)
-    return times, time, wheel
+    found = passing([(time, wheels_at(train, time)) for time in candidates], *bed)
+    return times, *(found or (times[-1] if given is None else now, None))
 
 
 def model_box(parts, now, with_wheel):

@@ -2,8 +2,8 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measures, read
-from trackbed_post.panels import plain_ticks
+from trackbed_post import contact_forces, measures, read
+from trackbed_post.panels import MARKERS, plain_ticks, wrapped
 
 COLOURS = ("C0", "C1")
 STAGE_LINES = (":", "-.")  # where a stage of a run begins
@@ -58,15 +58,17 @@ def regions(runs):
 
 
 def forces(runs):
-    """Distribution of contact forces divided by their mean, at the end of the last stage."""
-    needs(all(run.chains for run in runs), "the results contain no contact forces")
+    """Distribution of contact forces divided by their mean, at the instant of contact_forces."""
+    found = [contact_forces.of_run(run) for run in runs]
+    needs(all(found), "the results contain no contact forces")
     figure, panel = plt.subplots(figsize=(7, 5))
-    for run, colour in zip(runs, COLOURS):
-        stage, chains = list(run.chains.items())[-1]
-        shares, density = measures.force_distribution(chains.force)
-        panel.plot(shares, density, "o-", ms=3, lw=1, color=colour,
-                   label=f"{run.name}, end of {stage}: {len(chains.force)} contacts, mean "
-                         f"{chains.force.mean():.3g} N")
+    for run, forces_of, colour, marker in zip(runs, found, COLOURS, MARKERS):
+        force = forces_of.values
+        shares, density = measures.force_distribution(force)
+        panel.plot(shares, density, marker + "-", ms=3, lw=1, color=colour,
+                   label=f"{run.name}: {len(force)} contacts, mean {force.mean():.3g} N")
+    panel.set_title(wrapped("Contact forces: " + "; ".join(
+        f"{run.name}, {one.words}" for run, one in zip(runs, found)), 7), fontsize=10)
     panel.set_yscale("log")
     panel.set_xlabel("contact force / mean contact force")
     panel.set_ylabel("probability density")

@@ -9,10 +9,11 @@ import matplotlib.collections
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (bed_figures, bed_histories, bed_warnings, figure_csv, frequencies,
-                           ground_blocks, ground_transition, judgement, measures, passage_warnings,
-                           passing_peaks, read, shades, signals, sleeper_histories,
-                           stage_histories, support, support_figure, third_octaves, write, zones)
+from trackbed_post import (bed_figures, bed_histories, bed_warnings, contact_forces, figure_csv,
+                           frequencies, ground_blocks, ground_transition, judgement, measures,
+                           passage_warnings, passing_peaks, read, shades, signals,
+                           sleeper_histories, stage_histories, support, support_figure,
+                           third_octaves, write, zones)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 from trackbed_post.panels import END, HIDDEN, UP, legend_below, mark_ends, wrapped
 
@@ -230,32 +231,6 @@ def draw_chains(panel, chains, stones, largest):
     panel.set_ylabel("z (m)")
 
 
-def seat_load(run, stage):
-    """Largest downward seat load at the last row of a stage, N; 0 before sleepers are placed."""
-    names = [each.get("name") for each in run.deck.get("stage", [])]
-    rows = np.flatnonzero(run.stage == names.index(stage)) if stage in names else []
-    if not len(rows) or "seat_force" not in run.sleeper:
-        return 0.0
-    return float(np.max(-run.sleeper["seat_force"].values[rows[-1]]))
-
-
-def under_load(run):
-    """Stage whose end the overview shows. At the end of the passage the train has left, so it is
-    the preceding load stage if that ends under a larger load, otherwise the last stage."""
-    stages = [name for name, chains in run.chains.items() if len(chains.force)]
-    needs(stages, "no force chains")
-    deck = run.deck.get("stage", [])
-    kinds = {each.get("name"): each.get("kind") for each in deck}
-    before = stages[-2] if len(stages) > 1 else stages[-1]
-    loaded = kinds.get(before) == "load" and seat_load(run, before) > seat_load(run, stages[-1])
-    return before if loaded else stages[-1]
-
-
-def load_text(run, stage):
-    load = seat_load(run, stage)
-    return f"end of stage {stage}" + (f", seat load {load / 1e3:.1f} kN" if load else "")
-
-
 def force_chains(runs):
     """Force chains at the end of the last stages, as in Fig. 2 of the transition zone study: the
     whole bed in the first panel, a section of it in the following ones. First run only."""
@@ -279,21 +254,22 @@ def force_chains(runs):
         panel.set_ylim(np.min(z) - 0.02, np.max(z) + 0.05)
         panel.set_xlabel("x along the track (m)")
         panel.set_label(f"end of stage {name}" if number else f"whole bed, end of stage {name}")
-        panel.set_title(f"{run.name}, {load_text(run, name)}: {len(chains.force)} contacts, "
-                        f"thickest line {strongest[name] / 1e3:.1f} kN", fontsize=9)
+        panel.set_title(f"{run.name}, {contact_forces.words_of(run, name)}: {len(chains.force)} "
+                        f"contacts, thickest line {strongest[name] / 1e3:.1f} kN", fontsize=9)
     return figure
 
 
 def draw_bed(panel, run):
     """Force chains of the whole bed, with z stretched, as it is long and thin."""
-    stage = under_load(run)
+    stage = contact_forces.under_load(run)
+    needs(stage, "no force chains")
     chains = run.chains[stage]
     draw_chains(panel, chains, run.stones.get(stage), float(np.max(chains.force)))
     panel.set_aspect("auto")
     panel.set_ylim(0, np.max(chains.segments[:, 1::2]) + 0.05)
     panel.set_title(wrapped(
-        f"Contact forces in the bed ({run.name}, {load_text(run, stage)}, thickest line "
-        f"{np.max(chains.force) / 1e3:.1f} kN; z stretched)", 11), fontsize=10)
+        f"Contact forces in the bed ({run.name}, {contact_forces.words_of(run, stage)}, thickest "
+        f"line {np.max(chains.force) / 1e3:.1f} kN; z stretched)", 11), fontsize=10)
 
 
 def overview(runs):

@@ -36,7 +36,7 @@ class Field:
 
 
 @dataclasses.dataclass(frozen=True)
-class _Cells:
+class Cells:
     """`nodes` of all cells, one after the other; `first` and `size` of each cell, and its kind."""
     points: np.ndarray
     nodes: np.ndarray
@@ -56,14 +56,14 @@ class _Cells:
                      for size in np.unique(self.size[bulk]))
 
 
-def _cells(found: read.Quantities) -> _Cells:
+def cells_of(found: read.Quantities) -> Cells:
     """Each rank wrote a piece, whose cells number the points of the piece."""
     points, cells, ids = (found[f"NumberOf{what}"].values
                           for what in ("Points", "Cells", "ConnectivityIds"))
     borders = np.cumsum(cells + 1)[:-1] - 1
     size = np.delete(np.diff(found["Offsets"].values), borders)
     nodes = found["Connectivity"].values + np.repeat(np.cumsum(points) - points, ids)
-    return _Cells(found["Points"].values, nodes, np.cumsum(size) - size, size,
+    return Cells(found["Points"].values, nodes, np.cumsum(size) - size, size,
                   found["Types"].values)
 
 
@@ -84,7 +84,7 @@ def _merged(place: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return place[kept], values[kept]
 
 
-def _of_stones(cells: _Cells, found: read.Quantities, values: np.ndarray
+def _of_stones(cells: Cells, found: read.Quantities, values: np.ndarray
                ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(number, cells, middle, value) of each stone."""
     number, one, which, pieces = np.unique(found["CellData/stone"].values, return_index=True,
@@ -101,7 +101,7 @@ def _of_stones(cells: _Cells, found: read.Quantities, values: np.ndarray
 def field_of(path: pathlib.Path | str, time: float, arrays: Arrays, name: str) -> Field:
     """The Field of an array; "" for the positions of the points as values."""
     found, part = arrays[""], pathlib.Path(path).stem.rpartition("_")[2]
-    cells = _cells(found)
+    cells = cells_of(found)
     if not len(cells.size):
         raise read.Unreadable(f"{path} holds no cell")
     corners, none = cells.corners(), np.empty(0)

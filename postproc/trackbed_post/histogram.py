@@ -9,17 +9,18 @@ import pathlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import curves, panels, read, track_figures, write
+from trackbed_post import contact_forces, curves, panels, read, track_figures, write
 
-CONTACT_FORCE = "contact_force"  # at the end of a stage: chains/STAGE/force
+CONTACT_FORCE = "contact_force"  # at the instant of contact_forces, or at the end of a stage
 BINS = 40
 QUANTILES = {"least": 0, "5 %": 5, "median": 50, "95 %": 95, "largest": 100}
 
 
 @dataclasses.dataclass(frozen=True)
 class Choices:
-    """`stage`: its rows, or contact forces at its end; `place`: number of the column, None for all;
-    `change`: difference from the first number of each column; `log`: axis of the shares."""
+    """`stage`: its rows, or contact forces at its end, without it under load; `place`: number of
+    the column, None for all; `change`: difference from the first number of each column; `log`: axis
+    of the shares."""
     stage: str = ""
     place: int | None = None
     change: bool = False
@@ -30,28 +31,30 @@ class Choices:
 @dataclasses.dataclass(frozen=True)
 class Sample:
     """Values of a run, SI; `name` for legends, `left_out`: how many were not numbers, `without`:
-    stages that do not count, as there was no such body."""
+    stages that do not count, as there was no such body; `instant`: of contact forces, in words."""
     name: str
     values: np.ndarray
     unit: str
     left_out: int = 0
     without: tuple[str, ...] = ()
+    instant: str = ""
 
 
 def _known(every: read.Quantities) -> list[str]:
     return [name for name, item in every.items() if item.values.dtype.kind in "fiu"]
 
 
-def _contact_force_of(every: read.Quantities, deck: read.Deck, stage: str) -> str:
-    """Name of the dataset of contact forces at the end of the stage, or of the last one."""
-    found = [name.split("/")[1] for name in every
-             if name.startswith("chains/") and name.endswith("/force")]
-    stages = [f"chains/{one}/force" for one in read.in_order(found, deck)]
-    wanted = [name for name in stages if name == f"chains/{stage}/force"] if stage else stages
-    if not wanted:
+def _contact_forces(path: pathlib.Path, name: str, stage: str) -> Sample:
+    """At the end of the stage, or at the instant of contact_forces."""
+    run = read.results(path)
+    found = contact_forces.of_run(run) if not stage else None
+    if stage in run.chains:
+        found = contact_forces.Forces(run.chains[stage].force, contact_forces.words_of(run, stage))
+    if not found or not len(found.values):
+        stages = ", ".join(f"chains/{one}/force" for one in run.chains)
         raise read.Unreadable(f"there are no contact forces{f' of a stage {stage}' * bool(stage)}; "
-                              f"there are {', '.join(stages) or 'none of any stage'}")
-    return wanted[-1]
+                              f"there are {stages or 'none of any stage'}")
+    return Sample(name, found.values, "N", instant=found.words)
 
 
 def _of_history(values: np.ndarray, dataset: str, every: read.Quantities, deck: read.Deck,
@@ -104,24 +107,25 @@ def _unit_of(units: str, place: int | None) -> str:
 
 
 def sample_of(path: pathlib.Path, quantity: str, name: str, choices: Choices) -> Sample:
+    if quantity == CONTACT_FORCE:
+        if choices.change or choices.place is not None:
+            read.require_history(quantity, "change from a first row, and no places")
+        return _contact_forces(path, name, choices.stage)
     every, deck = read.datasets(path), read.origin(path)[1]
-    dataset = quantity if quantity != CONTACT_FORCE else \
-        _contact_force_of(every, deck, choices.stage)
-    if dataset not in _known(every):
-        raise read.Unreadable(f"{name} has no dataset {dataset}; it has {CONTACT_FORCE} and "
+    if quantity not in _known(every):
+        raise read.Unreadable(f"{name} has no dataset {quantity}; it has {CONTACT_FORCE} and "
                               f"{', '.join(_known(every))}")
-    if choices.stage and quantity != CONTACT_FORCE:
-        read.require_history(dataset, f"rows of a stage {choices.stage}")
+    if choices.stage:
+        read.require_history(quantity, f"rows of a stage {choices.stage}")
     if choices.change:
-        read.require_history(dataset, "change from a first row")
-    values = _values_of(every, deck, dataset, choices)
+        read.require_history(quantity, "change from a first row")
+    values = _values_of(every, deck, quantity, choices)
     kept = values[np.isfinite(values)]
     if not len(kept):
-        raise read.Unreadable(f"{name}: {dataset} has no numbers here")
-    words = f"{name}, {dataset.split('/')[1]}" if quantity == CONTACT_FORCE else name
-    without = () if choices.stage or not dataset.startswith("history/") else \
-        _stages_without_body(every, deck, dataset)
-    return Sample(words, kept, _unit_of(every[dataset].unit, choices.place),
+        raise read.Unreadable(f"{name}: {quantity} has no numbers here")
+    without = () if choices.stage or not quantity.startswith("history/") else \
+        _stages_without_body(every, deck, quantity)
+    return Sample(name, kept, _unit_of(every[quantity].unit, choices.place),
                   values.size - len(kept), without)
 
 
@@ -152,10 +156,11 @@ def draw(samples: collections.abc.Sequence[Sample], edges: np.ndarray, label: st
                    label=one.name)
     if choices.log:
         share.set_yscale("log")
-    share.set(ylabel=f"fraction of the values in each of\n{len(edges) - 1} bins, %",
-              title=f"{label} (thin: mean)"
-              + "\nwithout stages in which all histories of this group are zero" * any(
-                  one.without for one in samples))
+    share.set_ylabel(f"fraction of the values in each of\n{len(edges) - 1} bins, %")
+    share.set_title(panels.wrapped(f"{label} (thin: mean)" + "".join(
+        f"\n{one.name}: {one.instant}" for one in samples if one.instant)
+        + "\nwithout stages in which all histories of this group are zero" * any(
+            one.without for one in samples), 9, 12))
     below.set(ylabel="fraction of the values up to x, %", xlabel=f"{label}, {unit}")
     for panel in (share, below):
         panel.grid(alpha=0.3)
@@ -179,7 +184,8 @@ def table_of(samples: collections.abc.Sequence[Sample], label: str) -> str:
     for one in samples:
         ends = ", ".join(f"{name} {np.percentile(one.values, share):.4g}"
                          for name, share in QUANTILES.items())
-        lines.append(f"{one.name}: {len(one.values)} values, mean {one.values.mean():.4g}, "
+        when = f" {one.instant}" if one.instant else ""
+        lines.append(f"{one.name}{when}: {len(one.values)} values, mean {one.values.mean():.4g}, "
                      f"standard deviation {one.values.std():.4g}, {ends}"
                      + (f"; {one.left_out} values are left out" if one.left_out else "")
                      + (f"; without {', '.join(one.without)}, where all histories of this group "

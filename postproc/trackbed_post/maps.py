@@ -8,7 +8,8 @@ import matplotlib.pyplot as plt
 import matplotlib.ticker
 import numpy as np
 
-from trackbed_post import curves, field_files, field_sections, figure_csv, read, write
+from trackbed_post import (curves, field_files, field_sections, figure_csv, passage_instant, read,
+                           write)
 
 COLUMNS = 80      # arrows along the longer side at most
 MARGIN = 0.02     # of it, around arrows
@@ -167,8 +168,10 @@ def draw_into(path, folder, choices):
                               "among the files of a result folder")
     if choices.window and not np.all(np.diff(np.reshape(choices.window, (2, 2))) > 0):
         raise read.Unreadable("--window: give the smaller number of each axis first")
-    name, fields = field_files.fields_at(path, choices.parts, choices.array, choices.time,
-                                         choices.since)
+    time = choices.time
+    if time is None and path.suffix != ".hdf":
+        time = passage_instant.time_of(path, -np.inf if choices.since is None else choices.since)
+    name, fields = field_files.fields_at(path, choices.parts, choices.array, time, choices.since)
     layers = [field_sections.layer_of(field, name, choices) for field in fields]
     within = [layer.within(choices.window) for layer in layers] if choices.window else layers
     if not any(len(layer.at) for layer in within):

@@ -64,12 +64,20 @@ def train_has_left(results: read.Results) -> bool:
         x = axles.of_wheels(results.wheel["x"].values[rows])
         trains = axles.rows_of_trains(x)
         return bool(trains) and axles.have_passed(x[trains[-1][0]:], end)
-    load, time = results.deck.get("load", {}), results.time[rows]
-    several = results.deck["stage"][int(results.stage[rows][0])].get("cycles", 0) > 1
-    if several or not load.get("axles") or load.get("kind") in ("table", "seats"):
-        return True
-    first = load.get("start", 0.0) + load["speed"] * (time[-1] - time[0])
-    return bool(first - max(load["axles"]) >= end)
+    x = axles_of_load(results, int(results.stage[rows][0]), results.time[rows][-1:])
+    return not x.size or bool(x.min() >= end)
+
+
+def axles_of_load(results: read.Results, number: int, time: np.ndarray) -> np.ndarray:
+    """x of the axles of [load] in a stage, which is counted from 0, at times in s, [time, axle];
+    none where it is not known: of loads from a table, and of several trains."""
+    load, stage = results.deck.get("load", {}), results.deck["stage"][number]
+    rows = np.flatnonzero(results.stage == number)
+    if stage.get("kind") != "passage" or stage.get("train") or stage.get("cycles", 0) > 1 \
+            or load.get("kind") in ("table", "seats") or not load.get("axles") or not len(rows):
+        return np.empty((len(time), 0))
+    first = load.get("start", 0.0) + load["speed"] * (time - results.time[rows[0]])
+    return first[:, None] - np.asarray(load["axles"])
 
 
 def train_stands(results: read.Results) -> bool:

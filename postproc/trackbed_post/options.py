@@ -109,8 +109,8 @@ def for_still(one: Command) -> None:
     one.add_argument("-o", "--output", required=True, metavar="FILE.png")
     of_scene(one)
     one.add_argument("--time", type=arguments.finite, metavar="S",
-                     help="of RESULT_DIR: the field files of the nearest instant; default: the "
-                     "last")
+                     help="of RESULT_DIR: the field files of the nearest instant; default: those "
+                     "with a wheel nearest to the middle of the bed, or the last")
 
 
 def for_map(one: Command) -> None:
@@ -133,7 +133,8 @@ def for_map(one: Command) -> None:
                      help="region of the plane, m, of another plane the limits of its axes; "
                      "default: all")
     one.add_argument("--time", type=arguments.finite, metavar="S",
-                     help="the nearest instant of a run is drawn; default: the last")
+                     help="the nearest instant of a run is drawn; default: that with a wheel "
+                     "nearest to the middle of the bed, or the last")
     one.add_argument("--relative-to", type=arguments.finite, metavar="S",
                      help="draws the change since the instant nearest to S, which must be before "
                      "that of --time; of stones also their displacement")

@@ -10,19 +10,22 @@ import pathlib
 
 from PIL import Image
 
-from trackbed_post import grids, instants, read, scene, write
+from trackbed_post import grids, instants, passage_instant, read, scene, write
 
 VIEWS, VIEW = tuple(scene.VIEWS), scene.VIEW
 
 
 def chosen_files(sources, parts, time):
-    """(part -> file, label) of files, or of the instant of a run that is nearest to a time; of
-    files the label is empty."""
+    """(part -> file, label) of files, or of the instant of a run that is nearest to a time, by
+    default to that of passage_instant; of files the label is empty."""
     folders = [path for path in sources if os.path.isdir(path)]
     if folders and len(sources) > 1:
         raise read.Unreadable(f"{folders[0]} is a folder: give one folder or several field files")
     if folders:
-        instant = instants.nearest(instants.of_run(folders[0], parts), time)
+        found = instants.of_run(folders[0], parts)
+        if time is None:
+            time = passage_instant.time_of(folders[0])
+        instant = instants.nearest(found, time)
         return instant.files, instant.label()
     if parts is not None or time is not None:
         raise read.Unreadable("--parts and --time choose from the field files of a run: give its "

@@ -10,8 +10,9 @@ import matplotlib.image
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from trackbed_post import (bed_histories, bed_on_ground, bed_warnings, figure_csv, measures,
-                           read, sleeper_histories, support, support_figure, write)
+from trackbed_post import (bed_figures, bed_histories, bed_on_ground, bed_warnings,
+                           contact_forces, figure_csv, measures, read, sleeper_histories, support,
+                           support_figure, write)
 
 
 def test_figures_of_two_runs_are_drawn(runs, tmp_path):
@@ -55,10 +56,13 @@ def with_passage_chains(run, load):
 @pytest.mark.parametrize("load, stage", [(71e3, "load"), (5e3, "passage"), (0.0, "passage")])
 def test_overview_shows_the_stage_under_load_and_names_it(runs, load, stage):
     run = with_passage_chains(runs[0], load)
-    assert bed_on_ground.under_load(run) == stage
-    title = bed_on_ground.overview([run]).axes[0].get_title()
-    assert f"end of stage {stage}, seat load {max(load, 5e3) / 1e3:.1f} kN" in title
-    assert bed_on_ground.under_load(runs[0]) == "load"  # the only stage with force chains
+    assert contact_forces.under_load(run) == stage
+    words = f"end of stage {stage}, seat load {max(load, 5e3) / 1e3:.1f} kN" + (
+        ", after the passage" if stage == "passage" else "")
+    for draw in (bed_on_ground.overview, bed_figures.forces):
+        title = draw([run]).axes[0].get_title().replace("\n", " ")
+        assert words in title, title
+    assert contact_forces.under_load(runs[0]) == "load"  # the only stage with force chains
     bed_on_ground.plt.close("all")
 
 

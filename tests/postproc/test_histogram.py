@@ -25,10 +25,11 @@ def test_contact_forces_of_two_runs_in_the_same_bins(run, tmp_path):
                         "--format", "png,csv", "--log")
     assert ran.returncode == 0, ran.stderr
     head, rows = counts(tmp_path)
-    assert head == ["from_N", "to_N", "count of one; load", "count of two; load"]
+    assert head == ["from_N", "to_N", "count of one", "count of two"]
     assert rows.tolist() == [[100, 300, 1, 1], [300, 500, 0, 0], [500, 700, 0, 0],
                              [700, 900, 1, 1]]
-    assert "one, load: 2 values, mean 500, standard deviation 400" in ran.stdout
+    assert "one end of stage load, seat load 0.0 kN: 2 values, mean 500, standard deviation 400" \
+        in ran.stdout
     assert (tmp_path / "histogram_lines.csv").is_file()
 
 
@@ -130,7 +131,7 @@ def test_a_column_of_a_table_has_its_own_unit(run, tmp_path):
     (("envelope/ground/sigma_z_min", "--stage", "passage"),
      "envelope/ground/sigma_z_min is no history: it has no rows of a stage passage"),
     (("chains/load/force", "--stage", "nonsense"), "is no history: it has no rows of a stage"),
-    (("contact_force", "--change"), "chains/load/force is no history: it has no change"),
+    (("contact_force", "--change"), "contact_force is no history: it has no change"),
     (("envelope/ground/sigma_z_min", "--change"), "is no history: it has no change")])
 def test_what_is_not_there_is_said(run, tmp_path, words, problem):
     ran = conftest.call("histogram", *words, run, "-o", tmp_path)

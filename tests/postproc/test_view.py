@@ -7,9 +7,7 @@ import types
 import conftest
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(conftest.ROOT / "postproc/paraview"))
-import framing  # noqa: E402
+from trackbed_post import framing
 
 BED = np.array([[0.0, -0.65, 0.0], [19.2, 0.65, 1.6]])  # the quickstart with its wheels, m
 
@@ -61,11 +59,12 @@ def test_the_bed_fills_the_picture(view, eye, length):
     box = BED.copy()
     box[1][0] = length
     (wide, tall), corners = pixels_of(view, box, getattr(view, eye))
-    left, below = corners.min(axis=0) - [framing.LEFT, framing.BELOW]
-    right, above = [wide - framing.RIGHT, tall - framing.ABOVE] - corners.max(axis=0)
+    frame = framing.PARAVIEW
+    left, below = corners.min(axis=0) - [frame.left, frame.below]
+    right, above = [wide - frame.right, tall - frame.above] - corners.max(axis=0)
     assert min(left, below, right, above) > -1
     assert max(left, right) < 1 or max(below, above) < 1
-    assert wide == framing.WIDE and framing.LOWEST <= tall <= framing.HIGHEST
+    assert wide == frame.widest and frame.lowest <= tall <= frame.highest
     if length == 4.2 and eye == "SIDE":
         used = np.ptp(corners, axis=0).prod() / (wide * tall)
         assert used > 0.5, "a narrow strip"
@@ -82,9 +81,9 @@ def test_the_ground_is_shown_as_deep_as_what_is_above_it(view):
     assert view.depth_limited(BED, shallow)[0][2] == -0.4
 
 
-def test_the_wheel_nearest_to_the_middle_of_the_bed(view):
-    assert view.nearest_to_middle([-5.0, 2.0, 9.0, 30.0], 0, 20) == (1.0, 9.0)
-    assert view.nearest_to_middle([-5.0, 30.0], 0, 20) is None
+def test_the_wheel_nearest_to_the_middle_of_the_bed():
+    assert framing.nearest_to_middle([-5.0, 2.0, 9.0, 30.0], 0, 20) == (1.0, 9.0)
+    assert framing.nearest_to_middle([-5.0, 30.0], 0, 20) is None
 
 
 def test_instant_is_that_with_a_wheel_over_the_middle_of_the_bed(view, monkeypatch):
