@@ -222,10 +222,10 @@ def draw_chains(panel, chains, stones, largest):
         size = 2 * stones.radius
         panel.add_collection(matplotlib.collections.EllipseCollection(
             size, size, np.zeros_like(size), units="xy", offsets=stones.centre,
-            transOffset=panel.transData, facecolors="0.82", edgecolors="none"))
+            transOffset=panel.transData, facecolors="0.82", edgecolors="none", rasterized=True))
     lines = panel.add_collection(matplotlib.collections.LineCollection(
         chains.segments.reshape(-1, 2, 2), linewidths=CHAIN_WIDTH * chains.force / largest,
-        colors="tab:red", capstyle="round"))
+        colors="tab:red", capstyle="round", rasterized=True))
     figure_csv.state(lines, "contact force, N", chains.force)
     panel.set_aspect("equal")
     panel.set_ylabel("z (m)")
@@ -330,7 +330,7 @@ def draw_all(runs, folder, ends=True):
         except Missing as missing:
             folder.remarks.append(f"{name}.png is skipped: {missing}")
             continue
-        figure.tight_layout(rect=(0, write.ORIGIN, 1, 1))
+        figure.tight_layout(rect=(0, write.origin_height(figure), 1, 1))
         folder.picture(name, figure)
     unsound = passage_warnings.why_no_verdict((run.name, run) for run in runs)
     text = ground_transition.table(runs, unsound) + "".join(map(measures.region_table, runs))

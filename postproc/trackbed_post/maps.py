@@ -51,7 +51,7 @@ def draw_arrows(panel, layers, window, choices, scale):
         kept = shown_arrows(layer, window)
         arrows = factor * layer.values[kept][:, choices.axes()[0]]
         colours = factor * layer.size()[kept]
-        arrows *= np.minimum(1, limit / np.maximum(np.linalg.norm(arrows, axis=1), 1e-300))[:, None]
+        arrows *= limit / np.maximum(np.linalg.norm(arrows, axis=1), limit)[:, None]
         drawn = panel.quiver(*layer.at[kept].T, *arrows.T, colours, cmap="viridis_r",
                              clim=(0, limit), angles="xy", scale_units="width",
                              scale=limit / length, width=0.0015)

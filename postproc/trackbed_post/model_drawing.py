@@ -141,7 +141,8 @@ class Scene:
         size = 2 * stones.radius
         self.panel.add_collection(matplotlib.collections.EllipseCollection(
             size, size, np.zeros_like(size), units="xy", offsets=stones.centre,
-            transOffset=self.panel.transData, facecolors=STONE, edgecolors="none", alpha=0.45))
+            transOffset=self.panel.transData, facecolors=STONE, edgecolors="none", alpha=0.45,
+            rasterized=True))
 
     def _draw_track(self):
         """Returns the height of the rail's top. White sleepers are on springs, outside of the bed.
@@ -181,7 +182,7 @@ class Scene:
         """Red lines whose width is proportional to the force."""
         if self.chains is None:
             self.chains = self.panel.add_collection(matplotlib.collections.LineCollection(
-                [], colors=FORCE, capstyle="round", zorder=2.5))
+                [], colors=FORCE, capstyle="round", zorder=2.5, rasterized=True))
         self.chains.set_segments(chains.lines)
         self.chains.set_linewidths(CHAIN_WIDTH * chains.force / largest)
         figure_csv.state(self.chains, "contact force, N", chains.force)

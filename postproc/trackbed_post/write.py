@@ -14,8 +14,9 @@ from trackbed_post import figure_csv, read
 
 DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 DPI = 130      # of pictures in pixels
+FINE_DPI = 300  # of thousands of stones and contact forces, pixels also in PDF and SVG files
 MANY = 3       # runs are named up to this number
-ORIGIN = 0.03  # of the height, for the two lines that state the origin
+ORIGIN = 0.25  # inches at the lower edge, for the two lines that state the origin
 # Distinct with colour blindness and, the first three, in grey print: Wong 2011,
 # doi:10.1038/nmeth.1618.
 matplotlib.rcParams["axes.prop_cycle"] = matplotlib.cycler(color=[
@@ -74,6 +75,11 @@ def origin_of(results: collections.abc.Sequence[pathlib.Path | str]) -> str:
     return f"{modelled}{'; '.join(programs)}: {names}, drawn on {datetime.date.today()}"
 
 
+def origin_height(figure: Figure) -> float:
+    """Part of the height of a figure that state_origin() needs at its lower edge."""
+    return ORIGIN / figure.get_figheight()
+
+
 def state_origin(figure: Figure, origin: str) -> None:
     """Lines at the lower edge; a dollar in a name is no formula."""
     figure.text(0.995, 0.003, origin.replace("$", r"\$"), fontsize=6, ha="right", va="bottom",
@@ -112,7 +118,8 @@ class Folder:
         if self.over:
             self.over(name, figure)
         if figure.get_constrained_layout():
-            figure.get_layout_engine().set(rect=(0, ORIGIN, 1, 1 - ORIGIN))
+            below = origin_height(figure)
+            figure.get_layout_engine().set(rect=(0, below, 1, 1 - below))
         state_origin(figure, origin or self.origin)
         drawn = [form for form in self.formats if form != "csv"]
         lines = figure_csv.of_figure(figure) if len(drawn) < len(self.formats) else ""
@@ -120,7 +127,7 @@ class Folder:
             self.file(f"{name}_lines.csv", lines)
         for form in drawn:
             content = io.BytesIO()
-            figure.savefig(content, dpi=DPI, format=form)
+            figure.savefig(content, dpi=DPI if form == "png" else FINE_DPI, format=form)
             self.file(f"{name}.{form}", content.getvalue())
         plt.close(figure)
         if drawn or lines:
