@@ -119,7 +119,7 @@ def draw_map(given):
     choices = field_sections.Choices(given.array, given.component, tuple(given.part), given.plane,
                                      given.at, given.slice, given.window, given.time,
                                      given.relative_to)
-    with drawn(given, maps.origin_of(given.source)) as folder:
+    with drawn(given, write.origin_or_name(given.source)) as folder:
         maps.draw_into(given.source, folder, choices)
 
 

@@ -46,8 +46,8 @@ def film(folder, path, choices, remark=""):
     print(f"{len(shots)}{few} instants from {shots[0].time:.6g} to {shots[-1].time:.6g} s: "
           f"{', '.join(survey.boxes)}; {colouring.part} coloured by {colouring.words()}",
           flush=True)
-    drawn = pictures(shots, scene.Scene(survey, colouring, choices.view or scene.VIEW,
-                                        choices.x))
+    drawn = pictures(shots, scene.Scene(survey, colouring, choices.view or scene.VIEW, choices.x,
+                                        write.origin_or_name(folder)))
     content = film_files.encoded(path, drawn)
     write.whole(path, content)
     print(f"{path}: {write.size(len(content))}")

@@ -1,7 +1,7 @@
 """Grids of field files as VTK reads them, what surrounds them, and by what they are coloured."""
 import dataclasses
 
-from trackbed_post import read
+from trackbed_post import framing, read
 
 # Part -> array by which it is coloured, unless another is given.
 USUAL = {"stones": "velocity", "contacts": "force", "surfaces": "sleeper_displacement"}
@@ -25,19 +25,22 @@ def read_grids(files):
 
 @dataclasses.dataclass(frozen=True)
 class Colouring:
-    """By what a part is coloured: an array, its smallest and largest value, its unit."""
+    """By what a part is coloured: an array, the values at the ends of the colours, its unit, and
+    which values are beyond them, in words."""
     part: str
     name: str
     on_points: bool
     limits: tuple
     unit: str
+    beyond: str = ""
 
     def title(self):
         name = "speed" if self.name == "velocity" else self.name
         return f"{name}, {self.unit}" if self.unit else name
 
     def words(self):
-        return f"{self.name} from {self.limits[0]:.4g} to {self.limits[1]:.4g} {self.unit}".strip()
+        words = f"{self.name} from {self.limits[0]:.4g} to {self.limits[1]:.4g} {self.unit}".strip()
+        return ", ".join(filter(None, (words, self.beyond)))
 
     def array(self, grid):
         """Of a grid, or None: other instants may lack it."""
@@ -56,6 +59,7 @@ class Survey:
 
     def __init__(self, part):
         self.part, self.ranges, self.file = part, {}, None
+        self.speed = 0.0  # m/s, of all but the fastest stones of an instant, the largest of all
         self.boxes = {}  # part -> (lowest, highest) corner
 
     def add(self, files):
@@ -69,6 +73,7 @@ class Survey:
         return grids
 
     def _add_ranges(self, grid):
+        self.speed = max(self.speed, speed_of(grid))
         for data, on_points in ((grid.GetPointData(), True), (grid.GetCellData(), False)):
             for k in range(data.GetNumberOfArrays()):
                 array = data.GetArray(k)
@@ -91,8 +96,15 @@ class Survey:
         varying = [key for key in chosen if self.ranges[key][0] < self.ranges[key][1]]
         usual = [key for key in varying if key[0] == USUAL.get(self.part)]
         key = (usual or varying or chosen)[0]
-        return Colouring(self.part, *key, tuple(limits or self.ranges[key]),
-                         unit_of(self.file, *key))
+        low, high = self.ranges[key]
+        beyond = ""
+        if not limits and (self.part, key) == ("stones", ("velocity", False)) \
+                and low < self.speed < high:
+            beyond = f"the fastest {100 - framing.MOST} % of the stones are beyond the colours, " \
+                f"up to {high:.3g} m/s"
+            low, high = 0.0, self.speed
+        return Colouring(self.part, *key, tuple(limits or (low, high)), unit_of(self.file, *key),
+                         beyond)
 
     def box(self):
         """(lowest, highest) corner around all parts; along and across the track without wheels,
@@ -105,6 +117,13 @@ class Survey:
             low = np.append(low[:2], min(low[2], lowest[2]))
             high = np.append(high[:2], max(high[2], highest[2]))
         return low, high
+
+
+def speed_of(grid):
+    """Speed of all but the fastest stones of a grid, m/s; 0 for other parts."""
+    from vtk.util.numpy_support import vtk_to_numpy
+    arrays = [grid.GetCellData().GetArray(name) for name in ("velocity", "stone")]
+    return framing.highest_speed(*map(vtk_to_numpy, arrays)) if all(arrays) else 0.0
 
 
 def joined(boxes):

@@ -26,7 +26,7 @@ class Instant:
         return self.name.rpartition("_")[0]
 
     def label(self):
-        return f"{self.stage}, {self.time:.6g} s"
+        return ", ".join(filter(None, (self.stage, f"{self.time:.6g} s")))
 
 
 def part_of(path):
@@ -36,15 +36,15 @@ def part_of(path):
 
 
 def label_of(path):
-    """The label of a field file given alone: stage and time. The time is that which the series
-    beside it or the file states; without both the label is empty."""
+    """The label of a field file given alone: stage, if its name has one, and time. The time is that
+    which the series beside it or the file states; without both the label is empty."""
     instant, part = part_of(path)
     folder = pathlib.Path(path).resolve().parent.parent
     times = {file.name: time for time, file in read.series(folder, part)}
     time = times.get(pathlib.Path(path).name)
     if time is None:
         time = read.time_in(path)
-    return "" if time is None else Instant(time, instant or part, {}).label()
+    return "" if time is None else Instant(time, instant, {}).label()
 
 
 def of_files(paths):

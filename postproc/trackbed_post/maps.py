@@ -2,8 +2,6 @@
 
 What is in the plane, and how values between points are found: field_sections.py.
 """
-import datetime
-
 import matplotlib.pyplot as plt
 import matplotlib.ticker
 import numpy as np
@@ -149,15 +147,6 @@ def title_of(fields, name, choices):
     words += f" at {time:.5g} s" if np.isfinite(time) else ""
     words += f", change since {since:.5g} s" if np.isfinite(since) else ""
     return f"{words}, plane {choices.plane} at {'xyz'[choices.axes()[1]]} = {choices.at:g} m"
-
-
-def origin_of(path):
-    """The line at the lower edge; a run that goes on or has failed may lack its results.h5."""
-    folder = path.resolve().parent.parent if path.suffix == ".hdf" else path
-    try:
-        return write.origin_of([folder])
-    except read.Unreadable:
-        return f"{path.name}, drawn on {datetime.date.today()}"
 
 
 def draw_into(path, folder, choices):

@@ -1,7 +1,8 @@
 """The model in space, drawn with VTK without a screen: parts of one instant in one picture.
 
 One part is coloured by an array, the others have plain colours. All pictures of a Scene have the
-same camera and the same range of colours.
+same camera and the same range of colours. A picture is as wide and as high as the model needs; the
+colour bar is at its right edge, instant and origin are below.
 """
 import os
 import shutil
@@ -9,10 +10,13 @@ import subprocess
 import sys
 import tempfile
 
-from trackbed_post import actors, read
+from trackbed_post import actors, framing, read
 
-SIZE = (1200, 500)  # pixels
-BAR = 180           # pixels at the right edge, for the colour bar
+BAR = 220                      # pixels at the right edge, for the colour bar
+BAR_LONG, BAR_WIDE = 300, 180  # pixels, of the bar with its title at most
+FRAME = framing.Frame(800, 1600, 300, 800, 20, BAR, 95, 20)
+TITLE, LABEL, ORIGIN = 17, 18, 12  # heights of letters, pixels
+ORIGIN_HIGH = 40               # pixels at the lower edge, for the two lines that state the origin
 # Direction from the model to the eye, and the one that points up in the picture.
 VIEWS = {"side": ((0, -1, 0), (0, 0, 1)), "end": ((-1, 0, 0), (0, 0, 1)),
          "top": ((0, 0, 1), (0, 1, 0)), "corner": ((-1, -2, 1), (0, 0, 1))}
@@ -36,25 +40,15 @@ def with_screen():
 
 
 def look(camera, box, eye, up):
-    """Parallel projection that shows all of a box, with space for the colour bar on the right."""
+    """Parallel projection that shows all of a box; the size of its picture, pixels."""
     import numpy as np
-    low, high = box
-    corners = np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
-    eye, up = (np.array(one, dtype=float) for one in (eye, up))
-    eye /= np.linalg.norm(eye)
-    right = np.cross(up, eye)
-    right /= np.linalg.norm(right)
-    above = np.cross(eye, right)
-    wide, tall = (np.ptp(corners @ axis) for axis in (right, above))
-    part = 1 - BAR / SIZE[0]
-    scale = 0.55 * max(tall, wide / part * SIZE[1] / SIZE[0], 1e-9)
-    # The focal point is in the middle of the picture, the model to its left.
-    focus = (low + high) / 2 + right * scale * SIZE[0] / SIZE[1] * (1 - part)
+    focus, position, half, size = framing.camera(np.array(box), eye, up, FRAME)
     camera.ParallelProjectionOn()
-    camera.SetParallelScale(scale)
+    camera.SetParallelScale(half)
     camera.SetFocalPoint(*focus)
-    camera.SetPosition(*(focus + eye * 2 * np.linalg.norm(high - low)))
+    camera.SetPosition(*position)
     camera.SetViewUp(*up)
+    return size
 
 
 def black(text):
@@ -64,24 +58,42 @@ def black(text):
     text.BoldOff()
 
 
-def colour_bar(colouring):
+def colour_bar(colouring, size):
+    """At the right edge of a picture of this size, pixels."""
     import vtk
+    wide, high = size
+    long = min(BAR_LONG, high - ORIGIN_HIGH - 40)
+    below = ORIGIN_HIGH + (high - ORIGIN_HIGH - long) / 2
     bar = vtk.vtkScalarBarActor()
     bar.SetLookupTable(actors.colour_table(colouring.limits))
     bar.SetTitle(colouring.title())
-    bar.SetMaximumHeightInPixels(SIZE[1] // 2)
+    bar.UnconstrainedFontSizeOn()
+    bar.SetPosition(1 - (BAR - 20) / wide, below / high)
+    bar.SetPosition2(BAR_WIDE / wide, long / high)
     bar.SetVerticalTitleSeparation(12)  # pixels
     bar.SetLabelFormat("%.3g")
-    black(bar.GetTitleTextProperty())
-    black(bar.GetLabelTextProperty())
+    for text in (bar.GetTitleTextProperty(), bar.GetLabelTextProperty()):
+        black(text)
+        text.SetFontSize(TITLE)
     return bar
+
+
+def text_at(x, y, height):
+    """An empty text whose lower left corner is at a place in the picture, pixels."""
+    import vtk
+    text = vtk.vtkTextActor()
+    black(text.GetTextProperty())
+    text.GetTextProperty().SetFontSize(height)
+    text.GetTextProperty().SetLineSpacing(1.2)
+    text.SetPosition(x, y)
+    return text
 
 
 class Scene:
     """A window without a screen that shows what a grids.Survey has seen, or its section between two
-    x, m (`along`)."""
+    x, m (`along`). `origin`: of which run it is, in the lower right corner."""
 
-    def __init__(self, survey, colouring, view, along=None):
+    def __init__(self, survey, colouring, view, along=None, origin=""):
         import vtk
         box = survey.box()
         if along:
@@ -95,15 +107,17 @@ class Scene:
         self.together = len(survey.boxes) > 1  # also where an instant has one of the parts only
         self.renderer, self.window = vtk.vtkRenderer(), vtk.vtkRenderWindow()
         self.window.SetOffScreenRendering(1)
-        self.window.SetSize(*SIZE)
+        self.size = look(self.renderer.GetActiveCamera(), box, *VIEWS[view])
+        self.window.SetSize(*self.size)
         self.window.SetMultiSamples(0)  # no mixed colours at edges, so that they can be counted
         self.window.AddRenderer(self.renderer)
         self.renderer.SetBackground(1, 1, 1)
-        self.bar, self.label, self.actors = colour_bar(colouring), vtk.vtkTextActor(), []
-        black(self.label.GetTextProperty())
-        self.label.GetTextProperty().SetFontSize(18)
-        self.label.SetPosition(10, 10)
-        look(self.renderer.GetActiveCamera(), box, *VIEWS[view])
+        self.bar, self.actors = colour_bar(colouring, self.size), []
+        self.label = text_at(10, ORIGIN_HIGH + 2, LABEL)
+        self.origin = text_at(self.size[0] - 8, 6, ORIGIN)
+        self.origin.GetTextProperty().SetJustificationToRight()
+        self.origin.GetTextProperty().SetColor(0.4, 0.4, 0.4)
+        self.origin.SetInput(origin.replace("$", r"\$"))  # no formula
 
     def show(self, grids):
         """Replaces what is shown by the grids of an instant."""
@@ -123,17 +137,17 @@ class Scene:
         self.renderer.ResetCameraClippingRange()
 
     def picture(self, label=""):
-        """Pixels with colour bar and label, [height, width, 3]."""
-        self.label.SetInput(label)
-        self.renderer.AddActor2D(self.bar)
-        self.renderer.AddActor2D(self.label)
+        """Pixels with colour bar, label and origin, [height, width, 3]."""
+        self.label.SetInput("\n".join(filter(None, (label, self.colouring.beyond))))
+        for one in (self.bar, self.label, self.origin):
+            self.renderer.AddActor2D(one)
         return self._pixels()
 
     def colours(self):
         """Number of colours of the model, without shades."""
         import numpy as np
-        self.renderer.RemoveActor2D(self.bar)
-        self.renderer.RemoveActor2D(self.label)
+        for one in (self.bar, self.label, self.origin):
+            self.renderer.RemoveActor2D(one)
         shaded = [actor for actor in self.actors if actor.GetProperty().GetLighting()]
         for actor in shaded:
             actor.GetProperty().LightingOff()
@@ -151,4 +165,4 @@ class Scene:
         grabbed.ReadFrontBufferOff()
         grabbed.Update()
         flat = vtk_to_numpy(grabbed.GetOutput().GetPointData().GetScalars())
-        return flat.reshape(SIZE[1], SIZE[0], -1)[::-1].copy()  # rows from the top
+        return flat.reshape(self.size[1], self.size[0], -1)[::-1].copy()  # rows from the top

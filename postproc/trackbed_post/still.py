@@ -62,7 +62,8 @@ def render(sources, picture, choices):
         raise read.Unreadable(f"the file of {survey.part} has no cells: choose other --parts or "
                               "another --time")
     colouring = survey.colouring(choices.array, choices.limits)
-    window = scene.Scene(survey, colouring, choices.view or scene.VIEW, choices.x)
+    window = scene.Scene(survey, colouring, choices.view or scene.VIEW, choices.x,
+                         write.origin_or_name(sources[0]))
     window.show(drawn)
     colours = window.colours()
     label = label or instants.label_of(sources[0])

@@ -75,6 +75,16 @@ def origin_of(results: collections.abc.Sequence[pathlib.Path | str]) -> str:
     return f"{modelled}{'; '.join(programs)}: {names}, drawn on {datetime.date.today()}"
 
 
+def origin_or_name(path: pathlib.Path | str) -> str:
+    """The origin of a result folder, or of that of a field file; without a results.h5, which a run
+    that goes on or has failed may lack, the name and today's date."""
+    path = pathlib.Path(path)
+    try:
+        return origin_of([path.resolve().parent.parent if path.suffix == ".hdf" else path])
+    except read.Unreadable:
+        return f"{path.name}, drawn on {datetime.date.today()}"
+
+
 def origin_height(figure: Figure) -> float:
     """Part of the height of a figure that state_origin() needs at its lower edge."""
     return ORIGIN / figure.get_figheight()

@@ -14,7 +14,7 @@ from model_files import (FACES, HEXAHEDRON, LINE, OTHERS, RADIUS, SLEEPER, PLATE
                          write_stones, write_surfaces)
 from PIL import Image
 
-from trackbed_post import actors, grids, instants, read, scene, transition
+from trackbed_post import actors, framing, grids, instants, read, scene, transition
 
 @pytest.fixture(name="run", scope="module")
 def field_run(tmp_path_factory):
@@ -52,11 +52,14 @@ def count(picture, name):
     return int(np.count_nonzero(np.abs(picture - colour).max(axis=2) <= 1))
 
 
+def size_of(low, high):
+    """(pixels per metre, [width, height] in pixels) of a picture of this box from the side."""
+    _, _, half, size = framing.camera(np.array([low, high]), *scene.VIEWS["side"], scene.FRAME)
+    return size[1] / (2 * half), size
+
+
 def per_metre(low, high):
-    """Pixels per metre of a picture of this box from the side."""
-    wide, tall = high[0] - low[0], high[2] - low[2]
-    usable = scene.SIZE[0] - scene.BAR
-    return min(usable / wide, scene.SIZE[1] / tall) / 1.1
+    return size_of(low, high)[0]
 
 
 def test_all_parts_of_an_instant_are_in_one_picture_with_one_camera(run, tmp_path):
@@ -71,8 +74,8 @@ def test_all_parts_of_an_instant_are_in_one_picture_with_one_camera(run, tmp_pat
     assert 0 < count(picture, "walls") < 5 * 3.6 * scale  # its edges only
     # The fastest and the slowest stone at the ends of the colours: balls, which are shaded.
     for colour, stones in (((253, 231, 37), 1), ((68, 1, 84), 2)):
-        found = np.abs(picture[:, :1020] - colour).max(axis=2) <= 12
-        assert found.sum() > 0.1 * stones * np.pi * (RADIUS * scale)**2, colour
+        found = np.abs(picture[:, :-scene.BAR] - colour).max(axis=2) <= 12
+        assert found.sum() > 0.07 * stones * np.pi * (RADIUS * scale)**2, colour
 
 
 def test_files_are_drawn_together_and_the_first_is_coloured(run, tmp_path):
@@ -131,7 +134,7 @@ def test_all_balls_of_a_stone_have_its_colour(tmp_path):
     assert done.returncode == 0 and "2 cells" in done.stdout, done.stderr
     picture, scale = pixels(tmp_path / "stones.png"), per_metre((-0.3, 0, 0), (2.3, 0, 0.6))
     for colour, balls in (((68, 1, 84), 2), ((253, 231, 37), 1)):
-        found = np.abs(picture[:, :1020] - colour).max(axis=2) <= 12
+        found = np.abs(picture[:, :-scene.BAR] - colour).max(axis=2) <= 12
         area = np.pi * (0.3 * scale)**2
         assert 0.05 * balls * area < found.sum() < balls * area, colour  # balls are shaded
 
@@ -161,27 +164,28 @@ def test_section_along_the_track_is_cut_and_larger(run, tmp_path):
 def test_film_has_the_same_camera_and_colours_in_all_pictures(run, tmp_path):
     done = call("film", run, "-o", tmp_path / "film.gif", "--parts", "stones,ground")
     assert done.returncode == 0, done.stderr
-    assert "3 instants from 0.1 to 0.5 s: stones, ground; stones coloured by velocity from 0 to 4" \
-        " m/s" in done.stdout
+    assert "3 instants from 0.1 to 0.5 s: stones, ground; stones coloured by velocity from 0 to " \
+        "3.96 m/s, the fastest 1 % of the stones are beyond the colours, up to 4 m/s" in done.stdout
+    scale, size = size_of((0, 0, -1), (3, 0, 0.55))
     with Image.open(tmp_path / "film.gif") as film:
-        assert film.n_frames == 3 and film.size == scene.SIZE
+        assert film.n_frames == 3 and film.size == tuple(size)
         frames = []
         for k in range(3):
             film.seek(k)
             frames.append(np.asarray(film.convert("RGB"), int))
-    scale, left = per_metre((0, 0, -1), (3, 0, 0.55)), (scene.SIZE[0] - scene.BAR) / 2
-    row = int(scene.SIZE[1] / 2 - (0.3 - -0.225) * scale)
-    stone = [[frame[row, int(left + (x - 1.5) * scale)] for frame in frames]
+    middle = (size[0] + scene.FRAME.left - scene.FRAME.right) / 2
+    row = int((size[1] + scene.FRAME.above - scene.FRAME.below) / 2 - (0.3 - -0.225) * scale)
+    stone = [[frame[row, int(middle + (x - 1.5) * scale)] for frame in frames]
              for x in (0.5, 1.5, 2.5)]
     # The same speed, the same colour, at all instants and of other stones; the ends of the colours
-    # are the smallest and largest speed of the whole film.
-    speeds = np.array(SPEEDS) / 4
+    # are those of the whole film.
+    speeds = np.array(SPEEDS) / 3.96
     expected = 255 * matplotlib.colormaps["viridis"](speeds)[..., :3]
     assert np.abs(stone - expected).max() <= 12, stone
-    bars = [frame[200:450, 1000:] for frame in frames]
+    bars = [frame[:-scene.ORIGIN_HIGH, -scene.BAR + 20:] for frame in frames]
     assert all(np.abs(bar - bars[0]).mean() < 3 for bar in bars)
     # Only the label and the stones differ.
-    label = [frame[460:, :200] for frame in frames]
+    label = [frame[-scene.FRAME.below:, :200] for frame in frames]
     assert np.abs(label[0] - label[2]).max() > 100
 
 
@@ -261,7 +265,8 @@ def test_mp4_needs_ffmpeg_which_gets_every_picture(run, tmp_path):
     path = f"{tools}{os.pathsep}{os.environ['PATH']}"
     done = call("film", run, "-o", film, "--stage", "load", env={**os.environ, "PATH": path})
     assert done.returncode == 0, done.stderr
-    assert int(film.read_text()) == 2 * 3 * scene.SIZE[0] * scene.SIZE[1]
+    wide, high = size_of((0, 0, -1), (3, 0, 1.8))[1]
+    assert int(film.read_text()) == 2 * 3 * wide * high
     encoder.write_text("#!/bin/sh\necho no such encoder >&2; exit 1\n")
     done = call("film", run, "-o", film, "--frames", 1, env={**os.environ, "PATH": path})
     assert done.returncode == 2 and "no such encoder" in done.stderr
