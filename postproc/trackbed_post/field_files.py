@@ -17,13 +17,16 @@ Arrays = dict[str, typing.Any]  # as of `arrays_of`
 Files = list[tuple[float, pathlib.Path]]  # with their times, s
 USUAL = ("displacement", "velocity", "force", "acceleration")  # the default is the first there is
 BULK = (10, 12, 24)  # VTK's tetrahedra, hexahedra, quadratic tetrahedra
+SOLID = ("solid", "body")  # array with the number of a solid of the ground, of a solid sleeper
 SAME = 1e-9          # of the model's length: places that differ by less are one
 
 
 @dataclasses.dataclass(frozen=True)
 class Field:
     """`values` [point] or [point, component] at `place` [point, x y z], m. Stones have `number` and
-    `pieces`, how many cells a stone has; elements have `corners`: [element, corner, x y z]."""
+    `pieces`, how many cells a stone has; elements have `corners`: [element, corner, x y z].
+    Values at centres of elements have `solid`, the number of the solid of each point, and
+    `solids`, those of the elements in `corners`."""
     part: str
     time: float  # s, nan if the series does not name the file
     unit: str
@@ -32,6 +35,8 @@ class Field:
     number: np.ndarray
     pieces: np.ndarray
     corners: tuple[np.ndarray, ...] = ()
+    solid: np.ndarray | None = None
+    solids: tuple[np.ndarray, ...] = ()
     since: float = np.nan  # s, earlier instant, if the values are differences
 
 
@@ -49,11 +54,15 @@ class Cells:
         return np.add.reduceat(values[self.nodes], self.first) / self.size.reshape(
             -1, *[1] * (values.ndim - 1))
 
+    def elements(self) -> tuple[np.ndarray, ...]:
+        """Numbers of the elements, those with the same number of corners together."""
+        bulk = np.flatnonzero(np.isin(self.kind, BULK))
+        return tuple(bulk[self.size[bulk] == size] for size in np.unique(self.size[bulk]))
+
     def corners(self) -> tuple[np.ndarray, ...]:
-        bulk = np.isin(self.kind, BULK)
-        return tuple(self.points[self.nodes[self.first[bulk & (self.size == size), None]
-                                            + np.arange(size)]]
-                     for size in np.unique(self.size[bulk]))
+        return tuple(self.points[self.nodes[self.first[which, None]
+                                            + np.arange(self.size[which[0]])]]
+                     for which in self.elements())
 
 
 def cells_of(found: read.Quantities) -> Cells:
@@ -77,11 +86,11 @@ def arrays_of(path: pathlib.Path | str) -> Arrays:
     return {"": own, **arrays}
 
 
-def _merged(place: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Without points at the place of another one, in an order that does not depend on ranks."""
+def _distinct(place: np.ndarray) -> np.ndarray:
+    """Numbers of points, without those at the place of another one, in an order that does not
+    depend on ranks."""
     step = SAME * max(np.ptp(place, axis=0).max(initial=0), 1e-6)
-    kept = np.unique(np.round(place / step), axis=0, return_index=True)[1]
-    return place[kept], values[kept]
+    return np.unique(np.round(place / step), axis=0, return_index=True)[1]
 
 
 def _of_stones(cells: Cells, found: read.Quantities, values: np.ndarray
@@ -106,12 +115,17 @@ def field_of(path: pathlib.Path | str, time: float, arrays: Arrays, name: str) -
         raise read.Unreadable(f"{path} holds no cell")
     corners, none = cells.corners(), np.empty(0)
     if name and f"PointData/{name}" in found:
-        place, values = _merged(cells.points, arrays[name].values)
-        return Field(part, time, arrays[name].unit, place, values, none, none, corners)
+        kept = _distinct(cells.points)
+        return Field(part, time, arrays[name].unit, cells.points[kept], arrays[name].values[kept],
+                     none, none, corners)
     centre = cells.mean(cells.points)
     values, unit = (arrays[name].values, arrays[name].unit) if name else (centre, "m")
     if corners and name:
-        centre, values = _merged(centre, values)
+        kept = _distinct(centre)
+        solid = next((arrays[one].values.ravel() for one in SOLID if one in arrays),
+                     np.zeros(len(centre)))
+        return Field(part, time, unit, centre[kept], values[kept], none, none, corners,
+                     solid[kept], tuple(solid[which] for which in cells.elements()))
     if "CellData/stone" not in found:
         return Field(part, time, unit, centre, values, none, none, corners)
     number, pieces, middle, values = _of_stones(cells, found, values)

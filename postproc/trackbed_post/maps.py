@@ -13,7 +13,8 @@ COLUMNS = 80      # arrows along the longer side at most
 MARGIN = 0.02     # of it, around arrows
 USUAL = 0.99      # quantile where arrows end, if the largest is more than OUTLIER times as long
 OUTLIER = 2.0
-GRID = 50000      # places of a grid at which contours are computed
+GRID = 50000      # places in the window at which contours are computed
+LEAST = 20        # of them, along each axis of a solid
 LEVELS = 16       # of contours, about
 PANEL = 7         # inches, usual width of a panel
 KEY_ABOVE = 0.17  # inches, from a panel to the middle of the key of its arrows
@@ -70,12 +71,18 @@ def scale_arrow(limit):
 
 
 def grid_of(layer, window):
-    """(x, z): coordinates of a grid over the part of the window that the layer may fill."""
+    """(x, z): coordinates of a grid over the part of the window that the layer may fill; None if
+    there is none."""
     own = bounds_of([layer], None)
     x0, z0 = (max(window[k], own[k]) for k in (0, 2))
     x1, z1 = (min(window[k], own[k]) for k in (1, 3))
-    columns = int(np.clip(np.sqrt(GRID * max(x1 - x0, 1e-9) / max(z1 - z0, 1e-9)), 20, GRID / 20))
-    return np.linspace(x0, x1, columns), np.linspace(z0, z1, GRID // columns)
+    if x0 > x1 or z0 > z1:
+        return None
+    wide, high = max(x1 - x0, 1e-9), max(z1 - z0, 1e-9)
+    part = wide * high / (max(window[1] - window[0], 1e-9) * max(window[3] - window[2], 1e-9))
+    count = max(LEAST**2, GRID * part)
+    columns = int(np.clip(np.sqrt(count * wide / high), LEAST, count / LEAST))
+    return np.linspace(x0, x1, columns), np.linspace(z0, z1, int(count / columns))
 
 
 def draw_contours(panel, layers, window, scale):
@@ -83,10 +90,12 @@ def draw_contours(panel, layers, window, scale):
     factor, unit = scale
     values = factor * np.concatenate([layer.within(window).values for layer in layers])
     levels = matplotlib.ticker.MaxNLocator(LEVELS).tick_values(values.min(), values.max())
-    for layer in layers:
-        x, z = grid_of(layer, window)
+    for layer in [solid for layer in layers for solid in layer.solids or (layer,)]:
+        if not (grid := grid_of(layer, window)):
+            continue
+        x, z = grid
         places = np.stack([one.ravel() for one in np.meshgrid(x, z)], 1)
-        found = factor * field_sections.spline(layer, places).reshape(len(z), len(x))
+        found = factor * field_sections.values_at(layer, places).reshape(len(z), len(x))
         drawn = panel.contourf(x, z, found, levels, cmap="viridis", extend="both")
         for one in [drawn] if hasattr(drawn, "set_clip_path") else drawn.collections:
             one.set_clip_path(field_sections.edge_of(layer), panel.transData)

@@ -173,6 +173,29 @@ def winding(path, point):
     return round(total / (2 * np.pi))
 
 
+def test_stresses_have_a_spline_for_each_solid(tmp_path):
+    """A layer, a block in it and a thin layer of one row below, each with a stress of its own."""
+    piece = bricks(8, 6)
+    centre = piece["Points"][piece["cells"]].mean(axis=1)
+    solid = np.where(centre[:, 2] < -0.5, 2, (centre[:, 0] < 2) * 1)
+    value = np.array([10.0, 500.0, -30.0])[solid]
+    piece |= {"CellData/solid": solid.astype(float), "CellData/stress": value}
+    write_file(tmp_path / "load_1_ground.hdf", [piece], 12, {"stress": "Pa", "solid": "1"})
+    ground, = layers(tmp_path / "load_1_ground.hdf", array="stress")
+    assert len(ground.at) == 48 and len(ground.solids) == 3
+    assert [area(one.outline) for one in ground.solids] == pytest.approx([1.0, 1.0, 0.4])
+    for one, wanted in zip(ground.solids, (10, 500, -30)):
+        places = np.stack(np.meshgrid(np.linspace(0, 4, 41), np.linspace(-0.6, 0, 13)), -1)
+        assert field_sections.values_at(one, places.reshape(-1, 2)) == pytest.approx(
+            np.full(41 * 13, wanted))
+    values = field_sections.spline(ground, np.array([[2.3, -0.3]]))
+    assert values[0] < 9, "one spline through all would have been right here"
+    figure = maps.draw([ground], "", field_sections.Choices(array="stress"), "Pa")
+    plt.close(figure)
+    moved, = layers(tmp_path / "load_1_ground.hdf", array="displacement", component="z")
+    assert not moved.solids  # it does not jump
+
+
 def test_outline_of_tetrahedra_in_space():
     rng = np.random.default_rng(3)
     box = np.array([[x, y, z] for x in (0, 3) for y in (0, 1) for z in (-1, 0)], float)
