@@ -3,7 +3,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from trackbed_post import contact_forces, measures, read
-from trackbed_post.panels import MARKERS, plain_ticks, wrapped
+from trackbed_post.panels import LINES, MARKERS, curve, plain_ticks, wrapped
 
 COLOURS = ("C0", "C1")
 STAGE_LINES = (":", "-.")  # where a stage of a run begins
@@ -46,7 +46,7 @@ def regions(runs):
                 values = region[quantity].values
                 values = values[:, :, 2] if values.ndim == 3 else values
                 panel.plot(run.time, factor * values.mean(axis=1), style, lw=1,
-                           color=f"C{number}", label=f"{run.name}: {name}")
+                           label=f"{run.name}: {name}", **curve(number, len(run.time)))
                 panel.set_ylabel(label)
     mark_stages(panels, runs)
     for panel in panels:
@@ -81,10 +81,10 @@ def grading(runs):
     """Sieve curve of the stones at the end of the last stage, with prescription and limits."""
     needs(all(run.stones for run in runs), "the results contain no stones")
     figure, panel = plt.subplots(figsize=(7, 5))
-    for run, colour in zip(runs, COLOURS):
+    for run, colour, style in zip(runs, COLOURS, LINES):
         stage, stones = list(run.stones.items())[-1]
         sizes = np.sort(stones.sieved[:, 0])
-        panel.plot(sizes * 1e3, measures.passing(stones.sieved, sizes), color=colour, lw=1.5,
+        panel.plot(sizes * 1e3, measures.passing(stones.sieved, sizes), style, color=colour, lw=1.5,
                    label=f"{run.name}, {len(sizes)} stones at the end of {stage}")
     panel.set_xscale("log")
     plain_ticks(panel)
@@ -131,13 +131,13 @@ def section(runs):
     """The bed's surface at the end of the last stage, across the track; a plane bed's along it."""
     needs(all(run.surface for run in runs), "the results contain no surface of the bed")
     figure, panel = plt.subplots(figsize=(8, 4))
-    for run, colour in zip(runs, COLOURS):
+    for run, colour, style in zip(runs, COLOURS, LINES):
         stage, rows = list(run.surface.items())[-1]
         axis, places, low, mean, high = profile(rows)
         if axis == 1:
             panel.fill_between(places, low, high, color=colour, alpha=0.25, lw=0,
                                label="lowest to highest along the track")
-        panel.plot(places, mean, color=colour, label=f"{run.name}, end of {stage}"
+        panel.plot(places, mean, style, color=colour, label=f"{run.name}, end of {stage}"
                    + (", mean along the track" if axis == 1 else ""))
         asked = outline(run, places if axis == 1 else np.zeros_like(places))
         if asked is not None:

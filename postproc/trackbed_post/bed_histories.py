@@ -4,10 +4,10 @@ import numpy as np
 
 from trackbed_post import figure_csv, measures, signals, train_strip
 from trackbed_post.bed_figures import COLOURS, mark_stages, needs
-from trackbed_post.panels import LINES, UP, legend_below, wrapped
+from trackbed_post.panels import LINES, UP, curve, legend_below, wrapped
 
 FILTER = signals.LowPass()
-MOST = 4              # sensors below the train
+MOST = 8              # sensors below the train; a note states that there are more
 
 
 def time_in_passage(run):
@@ -25,9 +25,10 @@ def sensors(runs):
     names = list(dict.fromkeys(name for run in runs for name in run.sensors))
     train = train_strip.of_passage(runs[0])
     places = [train_strip.Place(sensor["at"][0], f"{sensor['name']}, x = {sensor['at'][0]:g} m",
-                                f"C{names.index(sensor['name']) % 10}")
-              for sensor in runs[0].deck.get("sensor", []) if sensor["name"] in names][:MOST]
-    figure, axes = train_strip.panels_below(train, places, len(panels), (10, 8))
+                                curve(names.index(sensor["name"]), 1)["color"])
+              for sensor in runs[0].deck.get("sensor", []) if sensor["name"] in names]
+    shown = places[:MOST]
+    figure, axes = train_strip.panels_below(train, shown, len(panels), (10, 8))
     for run, style in zip(runs, LINES):
         rows, time, label = time_in_passage(run)
         for number, name in enumerate(names):
@@ -38,16 +39,18 @@ def sensors(runs):
                 if quantity == "displacement":
                     values = values - values[0]
                 values = FILTER(time, values) if quantity == "acceleration" else 1e3 * values
-                panel.plot(time, values, style, lw=1, color=f"C{number % 10}",
+                panel.plot(time, values, style, lw=1, **curve(number, len(time)),
                            label=name if run is runs[0] else f"{name}, {run.name}")
     for panel, text in zip(axes, panels.values()):
         panel.set_ylabel(text)
         panel.grid(alpha=0.3)
     axes[2].set_ylabel(f"{panels['acceleration']}\n{FILTER.name_for(time)}")
     axes[1].legend(fontsize=7, loc="center left", bbox_to_anchor=(1, 0.5))
-    train_strip.mark_all(axes, train, places)
+    train_strip.mark_all(axes, train, shown)
+    few = f"; below the train: the first {MOST} of {len(places)}" if len(places) > MOST else ""
     figure.axes[0].set_title("Sensors: " + ", ".join(
-        f"{run.name} ({words})" for run, words in zip(runs, ("lines", "dashed"))), fontsize=10)
+        f"{run.name} ({words})" for run, words in zip(runs, ("lines", "dashed"))) + few,
+        fontsize=10)
     axes[-1].set_xlabel(label)
     return figure
 
@@ -70,14 +73,16 @@ def stress_paths(runs):
             stress = region["stress"].values[rows].mean(axis=1)
             mean, deviator = measures.invariants(stress, plane)
             text = f"{run.name}: {name}"
-            path.plot(mean / 1e3, deviator / 1e3, style, lw=0.8, color=f"C{number}", label=text)
-            start, = path.plot(mean[0] / 1e3, deviator[0] / 1e3, "o", ms=4, color=f"C{number}")
+            look = curve(number, len(time))
+            path.plot(mean / 1e3, deviator / 1e3, style, lw=0.8, label=text, **look)
+            start, = path.plot(mean[0] / 1e3, deviator[0] / 1e3, look["marker"],
+                               color=look["color"])
             figure_csv.name(start, f"{text}, start")
             turn.plot(time, unbroken(np.degrees(measures.principal_direction(stress))), style,
-                      lw=0.8, color=f"C{number}", label=text)
+                      lw=0.8, label=text, **look)
     path.set_xlabel("s = (s1 + s3)/2 (kPa)" if plane else "mean compression p (kPa)")
     path.set_ylabel("t = (s1 - s3)/2 (kPa)" if plane else "deviatoric stress q (kPa)")
-    path.set_title("Stress paths (dot: start)", fontsize=10)
+    path.set_title("Stress paths (filled: start)", fontsize=10)
     turn.set_xlabel(label)
     turn.set_ylabel("major principal stress in the plane of x and z:\ninclination from the "
                     "vertical, positive towards +x (degrees)")
@@ -112,10 +117,10 @@ def draw_potential(runs, colours, panel):
     """The change in each stage: when stones are removed between two stages, the change since the
     run began would hide all others. A remark states these steps."""
     steps = []
-    for run, colour in zip(runs, colours):
+    for run, colour, style in zip(runs, colours, LINES):
         values = run.energy["potential"].values
         time, change = since_stage_began(run, values)
-        panel.plot(time, change, color=colour, lw=1, label=run.name)
+        panel.plot(time, change, style, color=colour, lw=1, label=run.name)
         steps += steps_between_stages(run, values, np.ptp(change[np.isfinite(change)]))
     panel.set_ylabel("potential, change since\nthe stage began (J)")
     if steps:
@@ -130,9 +135,10 @@ def energy(runs):
     shown = (("kinetic", "kinetic (J)"), ("elastic", "elastic, contacts (J)"))
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(9, 8))
     text = []
-    for run, colour in zip(runs, COLOURS):
+    for run, colour, style in zip(runs, COLOURS, LINES):
         for panel, (name, label) in zip(panels, shown):
-            panel.plot(run.time, run.energy[name].values, color=colour, lw=1, label=run.name)
+            panel.plot(run.time, run.energy[name].values, style, color=colour, lw=1,
+                       label=run.name)
             panel.set_ylabel(label)
         text.append(f"{run.name}: last kinetic {run.energy['kinetic'].values[-1]:.3g} J")
     draw_potential(runs, COLOURS, panels[2])

@@ -15,7 +15,7 @@ from trackbed_post import (bed_figures, bed_histories, bed_warnings, contact_for
                            sleeper_histories, stage_histories, support, support_figure,
                            third_octaves, write, zones)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
-from trackbed_post.panels import END, HIDDEN, UP, legend_below, mark_ends, wrapped
+from trackbed_post.panels import END, HIDDEN, LINES, UP, legend_below, mark_ends, wrapped
 
 FILTER = signals.LowPass()
 SHOWN_HZ = 20         # least upper end of the spectra
@@ -44,14 +44,14 @@ def envelope(runs):
     needs_ground(runs)
     figure, (upper, lower) = plt.subplots(2, 1, sharex=True, figsize=(9, 7))
     text = []
-    for run, colour in zip(runs, COLOURS):
+    for run, colour, style in zip(runs, COLOURS, LINES):
         ground = run.ground_envelope["displacement_min"].values * 1e3
         order = np.argsort(run.ground_x)
-        lower.plot(run.ground_x[order], ground[order], color=colour, lw=1.2,
+        lower.plot(run.ground_x[order], ground[order], style, color=colour, lw=1.2,
                    label=f"ground surface, {run.name}")
         if "displacement_min" in run.sleeper_envelope:
             lowest = run.sleeper_envelope["displacement_min"].values * 1e3
-            line, = upper.plot(run.sleepers_x, lowest, "o-", color=colour, lw=1, ms=4,
+            line, = upper.plot(run.sleepers_x, lowest, "o" + style, color=colour, lw=1, ms=4,
                                label=f"sleepers, {run.name}")
             mark_ends(upper, line, ground_blocks.ends(run),
                       END if run is runs[-1] else HIDDEN)
@@ -75,14 +75,14 @@ def stress(runs):
     needs_ground(runs)
     figure, panel = plt.subplots(figsize=(9, 4.5))
     text = []
-    for run, colour in zip(runs, COLOURS):
+    for run, colour, style in zip(runs, COLOURS, LINES):
         order = np.argsort(run.ground_x)
         x = run.ground_x[order]
         compression = -run.ground_envelope["sigma_z_min"].values[order] / 1e3
         nodes, = panel.plot(x, compression, color=colour, lw=0.7, alpha=0.6)
         figure_csv.name(nodes, f"{run.name}, each node")
         mean = measures.smoothed(x, compression, measures.spacing(run))
-        panel.plot(x, mean, color=colour, lw=2,
+        panel.plot(x, mean, style, color=colour, lw=2,
                    label=f"{run.name} (bold: mean over one sleeper spacing)")
         text.append(f"{run.name} {np.max(mean):.0f} kPa")
     mark_blocks(panel, runs[0])
@@ -173,10 +173,10 @@ def spectra(runs, known=None):
     marks = frequencies.of_passage(runs[0])
     shown_hz = max(SHOWN_HZ, BEYOND * max(marks.values(), default=0))
     for panel, (name, (unit, _)) in zip(panels, SPECTRA.items()):
-        for run, colour, lobes in zip(runs, COLOURS, peaks_of(runs, name, known)):
+        for run, colour, style, lobes in zip(runs, COLOURS, LINES, peaks_of(runs, name, known)):
             frequency, mean = remembered(run, name, known)
             shown = frequency <= shown_hz
-            panel.plot(frequency[shown], mean[shown], color=colour, lw=1, label=run.name)
+            panel.plot(frequency[shown], mean[shown], style, color=colour, lw=1, label=run.name)
             mark_peaks(panel, lobes, colour, f"{run.name}, peak at a passing frequency")
         panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
     for panel in panels:
@@ -278,14 +278,14 @@ def overview(runs):
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(11, 7.5),
                                   gridspec_kw={"height_ratios": (1, 1.4, 1.4)})
     draw_bed(panels[0], runs[0])
-    for run, colour in zip(runs, COLOURS):
+    for run, colour, style in zip(runs, COLOURS, LINES):
         order = np.argsort(run.ground_x)
         x = run.ground_x[order]
-        panels[1].plot(x, run.ground_envelope["displacement_min"].values[order] * 1e3,
+        panels[1].plot(x, run.ground_envelope["displacement_min"].values[order] * 1e3, style,
                        color=colour, label=run.name)
         compression = -run.ground_envelope["sigma_z_min"].values[order] / 1e3
-        panels[2].plot(x, measures.smoothed(x, compression, measures.spacing(run)), color=colour,
-                       label=run.name)
+        panels[2].plot(x, measures.smoothed(x, compression, measures.spacing(run)), style,
+                       color=colour, label=run.name)
     panels[1].set_ylabel(f"lowest displacement of\nthe ground surface, {UP}")
     panels[2].set_ylabel("largest compression (kPa),\nmean over a sleeper spacing")
     panels[1].set_title("In the passage, displacement relative to its beginning", fontsize=10)

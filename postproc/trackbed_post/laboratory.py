@@ -8,7 +8,7 @@ the numbers, sources of the published values, and reasons for differences: docs/
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import figure_csv, heap, read
+from trackbed_post import figure_csv, heap, panels, read
 
 GRAVITY = 9.81   # m/s^2
 SMOOTH = 1e-3    # m of displacement over which stresses are averaged; a row is a mean over a window
@@ -154,12 +154,13 @@ def draw_shear(runs, folder):
              "                 sigma, kPa       tau  sigma, kPa  friction angle, deg   dilation  at"
              "\n                  of platen       kPa  on plane   platen    plane      angle, deg"
              "  mm"]
-    for run in runs:
+    for number, run in enumerate(runs):
         got = shear(run)
         peak = int(np.argmax(got["tau"] / got["plane"]))
         name = f"{got['sigma'].mean() / 1e3:.0f} kPa"
-        top.plot(1e3 * got["displacement"], got["tau"] / got["plane"], label=name)
-        bottom.plot(1e3 * got["displacement"], 1e3 * got["rise"], label=name)
+        look = panels.curve(number, len(got["tau"]))
+        top.plot(1e3 * got["displacement"], got["tau"] / got["plane"], label=name, **look)
+        bottom.plot(1e3 * got["displacement"], 1e3 * got["rise"], label=name, **look)
         angles = [np.degrees(np.arctan(got["tau"][peak] / got[by][peak]))
                   for by in ("sigma", "plane")]
         # From a third of the displacement on, where the rise of single stones averages out.
@@ -198,13 +199,14 @@ def draw_triaxial(runs, folder):
              "secant E to 0.5 %"
              "\n                        kPa     kPa      peak     last    strain, %"
              "  angle, deg         MPa"]
-    for run in runs:
+    for number, run in enumerate(runs):
         got = triaxial(run)
         q, axial = got["sigma_1"] - got["sigma_3"], got["axial"]
         most, last, peak = strength(got)
         name = f"{got['sigma_3'].mean() / 1e3:.0f} kPa"
-        top.plot(100 * axial, q / got["sigma_3"], label=name)
-        bottom.plot(100 * axial, 100 * got["volumetric"], label=name)
+        look = panels.curve(number, len(axial))
+        top.plot(100 * axial, q / got["sigma_3"], label=name, **look)
+        bottom.plot(100 * axial, 100 * got["volumetric"], label=name, **look)
         near = np.abs(axial - axial[peak]) < axial[-1] / 6   # a third of the test
         first = int(np.argmax(axial >= 0.005))
         lines.append(f"{run.name:19} {got['sigma_3'].mean() / 1e3:7.1f} {q[peak] / 1e3:7.1f} "

@@ -2,6 +2,7 @@
 names of axles, legends that hide no curve."""
 import collections.abc
 import textwrap
+import typing
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -13,8 +14,10 @@ from matplotlib.transforms import IdentityTransform, ScaledTranslation
 from trackbed_post import figure_csv
 
 LINES = ("-", "--", "-.", ":")  # of runs in turn
-MARKERS = "osv^DP*X"            # of measured curves, or of axles, in turn
+MARKERS = "osv^DP*X"            # of curves beside each other, in turn
 DENSE = 100                     # points of a measured curve; with more it is a dotted line
+COLOURS = 8             # in turn, of write.py
+MARKS = 12              # of a curve
 UP = "mm, up positive"  # of displacements on axes; docs/postproc.md states what is down positive
 LETTER = 0.55           # mean width of a letter, as a part of the size of letters
 HANDLE = 4.8            # of this size: width of line and gaps of a column of a legend
@@ -34,6 +37,16 @@ def measured_look(points: int, number: int) -> dict[str, object]:
     """Markers of a measured curve, other ones for each number; of many points a dotted line."""
     return {"ls": ":", "lw": 1.6} if points > DENSE else \
         {"ls": "", "marker": MARKERS[number % len(MARKERS)], "ms": 4.5, "mfc": "none"}
+
+
+def curve(number: int, points: int) -> dict[str, typing.Any]:
+    """Look of the curve of this number, from 0, with so many points: a colour and a marker, so that
+    grey prints can be read, too. Marks of different curves are at different points, so that one
+    below another one can be seen."""
+    every = max(1, points // MARKS)
+    return {"color": f"C{number % COLOURS}", "ms": 4, "mfc": "none", "mew": 0.8,
+            "marker": MARKERS[(number + number // COLOURS) % len(MARKERS)],
+            "markevery": (number % COLOURS * every // COLOURS, every)}
 
 
 def plain_ticks(panel: Axes) -> None:

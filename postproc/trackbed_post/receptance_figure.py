@@ -3,15 +3,18 @@ import matplotlib.figure
 import matplotlib.pyplot as plt
 import numpy as np
 
+from trackbed_post import panels
+
 Receptances = dict[str, np.ndarray]  # by the names of places: complex numbers, m/N
 
 
 def draw(frequency: np.ndarray, found: Receptances) -> matplotlib.figure.Figure:
     """Magnitude and phase over the frequency, Hz."""
     figure, (size, phase) = plt.subplots(2, 1, figsize=(8, 7), sharex=True, layout="constrained")
-    for name, values in found.items():
-        size.loglog(frequency, np.abs(values), lw=0.9, label=f"rail at {name}")
-        phase.semilogx(frequency, np.degrees(np.angle(values)), lw=0.9)
+    for number, (name, values) in enumerate(found.items()):
+        look = panels.curve(number, 1) | {"markevery": (0.01 * number, 0.1)}
+        size.loglog(frequency, np.abs(values), lw=0.9, label=f"rail at {name}", **look)
+        phase.semilogx(frequency, np.degrees(np.angle(values)), lw=0.9, **look)
     size.set(ylabel="receptance, m/N")
     phase.set(ylabel="phase, degrees", xlabel="frequency, Hz")
     for panel in (size, phase):

@@ -15,8 +15,6 @@ from trackbed_post.bed_figures import needs
 
 GRAVITY = 9.81  # m/s^2
 FILTER = signals.LowPass()
-MARKS = 12      # of a curve
-SIZE = 4        # points, of a marker
 WIDE = 9        # inches
 
 Runs = collections.abc.Sequence[read.Results]
@@ -44,18 +42,11 @@ def _values(run: read.Results, time: np.ndarray) -> list[np.ndarray]:
             FILTER(time, run.sleeper["acceleration"].values[rows]) / GRAVITY]
 
 
-def _style(sleeper: int) -> dict[str, str]:
-    return {"color": f"C{sleeper}", "marker": panels.MARKERS[sleeper]}
-
-
 def _plot(below: collections.abc.Iterable[Axes], run: read.Results, time: np.ndarray,
           line: str) -> None:
-    every = max(1, len(time) // MARKS)
     for panel, values in zip(below, _values(run, time)):
         for number, k in enumerate(measures.chosen_sleepers(run)):
-            # Markers of different sleepers are at different times.
-            panel.plot(time, values[:, k], line, lw=1, ms=SIZE, mfc="none", mew=0.8,
-                       markevery=(number * every // 3, every), **_style(number),
+            panel.plot(time, values[:, k], line, lw=1, **panels.curve(number, len(time)),
                        label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
 
 
@@ -66,8 +57,8 @@ def _key(runs: Runs) -> list[Line2D]:
             *([f"{run.sleepers_x[k]:.2f} m" for k in measures.chosen_sleepers(run)]
               for run in runs))):
         places = list(dict.fromkeys(filter(None, same)))
-        found.append(Line2D([], [], lw=1, ms=SIZE, mfc="none", **_style(number),
-                            label=f"sleeper at x = {' or '.join(places)}"))
+        found.append(Line2D([], [], lw=1, label=f"sleeper at x = {' or '.join(places)}",
+                            **panels.curve(number, 1)))
     if len(runs) > 1:
         found += [Line2D([], [], color="0.2", lw=1.2, ls=line, label=f"run {run.name}")
                   for run, line in zip(runs, panels.LINES)]

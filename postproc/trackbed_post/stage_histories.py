@@ -10,7 +10,7 @@ import numpy as np
 
 from trackbed_post import measures, read
 from trackbed_post.bed_figures import needs
-from trackbed_post.panels import LINES, UP, wrapped
+from trackbed_post.panels import LINES, UP, curve, wrapped
 
 WIDTH = 2.6           # inches of a column
 MOST = 8              # columns: of more stages the last ones are shown
@@ -109,7 +109,7 @@ def draw_stage(panels: collections.abc.Sequence[plt.Axes], run: read.Results, st
         if not placed(run)[here].any():
             continue
         for number, k in enumerate(measures.chosen_sleepers(run)):
-            panel.plot(time, values[:, k], style, lw=0.9, color=f"C{number}",
+            panel.plot(time, values[:, k], style, lw=0.9, **curve(number, len(time)),
                        label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
 
 

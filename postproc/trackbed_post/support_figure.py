@@ -6,6 +6,7 @@ from trackbed_post import figure_csv, ground_blocks, measures, panels, support
 from trackbed_post.bed_figures import needs
 
 COLUMN = 14 / 3  # inches, of a panel with its labels
+APART = 0.12     # of a panel's diagonal, between two marks of a loop
 
 
 def mark_hanging(runs, stiff, gaps):
@@ -44,12 +45,14 @@ def draw(runs):
     for run, style in zip(runs, panels.LINES):
         found = support.of(run)
         for number, k in enumerate(measures.chosen_sleepers(run)):
+            # At rest there are many points in one place: marks are along the loop.
+            look = panels.curve(number, 1) | {"markevery": (APART * number / 3, APART)}
             loops.plot(found.lowered[:, k] * 1e3, found.reaction[:, k] / 1e3, style, lw=0.8,
-                       color=f"C{number}", label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
+                       **look, label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
         both = "with gap and ground" if measures.has_ground(run) else "with gap"
         for number, (of, what) in enumerate(((found.bed, "bed alone"), (found.whole, both))):
-            stiff.plot(run.sleepers_x, of / 1e6, style, marker="o", ms=3, lw=1, color=f"C{number}",
-                       label=f"{run.name}, {what}")
+            stiff.plot(run.sleepers_x, of / 1e6, style, marker=panels.MARKERS[number], ms=3, lw=1,
+                       color=f"C{number}", label=f"{run.name}, {what}")
         gaps.plot(run.sleepers_x, found.gap * 1e3, style, marker="o", ms=3, lw=1, label=run.name)
         name = panels.END if run is runs[-1] else panels.HIDDEN
         bed, whole = stiff.lines[-2:]

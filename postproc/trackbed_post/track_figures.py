@@ -179,8 +179,10 @@ def draw_wheels(run, length, panel):
     shown = np.where(on_track(run, length), force / 1e3, np.nan)
     twice = two_rails(run)  # the wheels of an axle are then listed left before right
     drawn = (rolling(run) or range(shown.shape[1]))[:SHOWN_AXLES * (1 + twice)]
-    for i, width in zip(drawn, np.linspace(WIDEST, 0.8, len(drawn)) if len(drawn) > 1 else [0.8]):
-        panel.plot(x[:, i], shown[:, i], lw=width, label=panels.axle(i, twice))
+    widths = np.linspace(WIDEST, 0.8, len(drawn)) if len(drawn) > 1 else [0.8]
+    for number, (i, width) in enumerate(zip(drawn, widths)):
+        panel.plot(x[:, i], shown[:, i], lw=width, label=panels.axle(i, twice),
+                   **panels.curve(number, np.isfinite(shown[:, i]).sum()))
     panel.set(xlabel="x of the wheel, m", ylabel="wheel force, kN")
 
 
@@ -203,31 +205,36 @@ def receptances(run):
 
 def draw_forces(run, _, panel):
     for i, force in enumerate(history(run, "rail/force").T):
-        panel.plot(run["history/time"].values, force / 1e3, lw=0.8, label=f"force {i + 1}")
+        panel.plot(run["history/time"].values, force / 1e3, lw=0.8, label=f"force {i + 1}",
+                   **panels.curve(i, len(force)))
     panel.set(xlabel="time, s", ylabel="force on the rail, kN")
 
 
 def draw_displacements(run, _, panel):
-    time = run["history/time"].values
+    time, number = run["history/time"].values, 0
     for what, name, style in (("rail", "rail/x", "-"), ("sleeper", "sleepers/x", "--")):
         if f"history/{what}/displacement" in run:
             for place, values in zip(places(run, name), history(run, f"{what}/displacement").T):
-                panel.plot(time, 1e3 * values, style, lw=0.9, label=f"{what} at {place}")
+                panel.plot(time, 1e3 * values, style, lw=0.9, label=f"{what} at {place}",
+                           **panels.curve(number, len(time)))
+                number += 1
     panel.set(ylabel=f"displacement,\n{panels.UP}", xlabel="time, s")
 
 
 def draw_seats(run, _, panel):
-    for place, force in zip(places(run, "sleepers/x"), history(run, "sleeper/seat_force").T):
-        panel.plot(run["history/time"].values, force / 1e3, lw=0.9, label=f"sleeper at {place}")
+    for number, (place, force) in enumerate(zip(places(run, "sleepers/x"),
+                                                history(run, "sleeper/seat_force").T)):
+        panel.plot(run["history/time"].values, force / 1e3, lw=0.9, label=f"sleeper at {place}",
+                   **panels.curve(number, len(force)))
     panel.set(ylabel="seat load, kN", xlabel="time, s")
 
 
 def draw_acceleration(run, _, panel):
     time = run["history/time"].values
-    for place, values in zip(places(run, "sleepers/x"),
-                             FILTER(time, history(run, "sleeper/acceleration"),
-                                    at_rest_before(run)).T):
-        panel.plot(time, values, lw=0.8, label=f"sleeper at {place}")
+    filtered = FILTER(time, history(run, "sleeper/acceleration"), at_rest_before(run))
+    for number, (place, values) in enumerate(zip(places(run, "sleepers/x"), filtered.T)):
+        panel.plot(time, values, lw=0.8, label=f"sleeper at {place}",
+                   **panels.curve(number, len(time)))
     panel.set(ylabel=f"acceleration, m/s2\n{FILTER.name_for(time)}", xlabel="time, s")
 
 
@@ -237,10 +244,11 @@ ENERGIES = {"track": "rail, sleepers and springs", "given_to_ground": "work on t
 
 
 def draw_energy(run, _, panel):
-    for name, label in ENERGIES.items():
+    for number, (name, label) in enumerate(ENERGIES.items()):
         if f"history/energy/{name}" in run:
-            panel.plot(run["history/time"].values, history(run, f"energy/{name}"), lw=0.9,
-                       label=label)
+            values = history(run, f"energy/{name}")
+            panel.plot(run["history/time"].values, values, lw=0.9, label=label,
+                       **panels.curve(number, len(values)))
     panel.set(ylabel="energy, J", xlabel="time, s")
 
 
@@ -326,21 +334,24 @@ def draw_envelope(run, deck):
     seats = "envelope/sleeper/seat_force_max" in run
     figure, grid = plt.subplots(1 + seats, 1, figsize=(8, 3 + 2.5 * seats), sharex=True,
                                   squeeze=False, layout="constrained")
-    for what in ("rail", "sleeper"):
+    number = 0
+    for what, style in (("rail", "-"), ("sleeper", "--")):
         if f"envelope/{what}/displacement_min" not in run:
             continue
         most = sides(run, f"envelope/{what}/displacement_max", twice)
         for side, least in sides(run, f"envelope/{what}/displacement_min", twice).items():
-            line, = grid[0, 0].plot(x, 1e3 * least, "-" if what == "rail" else "--", lw=0.9,
-                                    label=f"{what}{side}")
-            above, = grid[0, 0].plot(x, 1e3 * most[side], line.get_linestyle(), lw=0.9,
-                                     color=line.get_color())
-            for one, end in ((line, "least"), (above, "largest")):
+            look = panels.curve(number, len(x))
+            below, = grid[0, 0].plot(x, 1e3 * least, style, lw=0.9, label=f"{what}{side}", **look)
+            above, = grid[0, 0].plot(x, 1e3 * most[side], style, lw=0.9, **look)
+            for one, end in ((below, "least"), (above, "largest")):
                 figure_csv.name(one, f"{what}{side}, {end}")
+            number += 1
     grid[0, 0].set(ylabel=f"least and largest\ndisplacement, {panels.UP}")
     if seats:
-        for side, most in sides(run, "envelope/sleeper/seat_force_max", twice).items():
-            grid[1, 0].plot(x, most / 1e3, lw=0.9, label=f"largest{side}")
+        for number, (side, most) in enumerate(
+                sides(run, "envelope/sleeper/seat_force_max", twice).items()):
+            grid[1, 0].plot(x, most / 1e3, lw=0.9, label=f"largest{side}",
+                            **panels.curve(number, len(x)))
         grid[1, 0].set(ylabel="seat load, kN")
     grid[-1, 0].set(xlabel="x, m")
     for panel in grid[:, 0]:

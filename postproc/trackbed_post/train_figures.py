@@ -189,7 +189,7 @@ def draw(passing, stretches, stage=""):
         for rail, force in enumerate(passing.force[:, axle].T):
             side = ", right" if rail else ", left" if passing.force.shape[2] == 2 else ""
             wheels.plot(passing.x[:, axle], force / 1e3, "--" if rail else "-", lw=0.8,
-                        color=f"C{axle}", label=words + side)
+                        label=words + side, **panels.curve(axle, passing.on_bed()[:, axle].sum()))
         line, = down.plot(passing.sleepers_x, 1e3 * passing.lowest[axle], label=words, lw=0.9,
                           marker=panels.MARKERS[axle], ms=3.5, color=f"C{axle}")
         panels.mark_ends(down, line, passing.ends, panels.HIDDEN if axle else panels.END)

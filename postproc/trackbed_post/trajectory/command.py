@@ -5,7 +5,7 @@ import re
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import figure_csv, read
+from trackbed_post import figure_csv, panels, read
 from trackbed_post.settlement.command import rows_as_csv
 from trackbed_post.trajectory import contact, profiles, scan
 
@@ -71,8 +71,9 @@ def draw(grid, paths, choices):
     for number, path in enumerate(paths):
         sign = -1 if choices.trailing else 1
         x = choices.origin + sign * path.x
-        height.plot(x, 1e3 * path.irregularity(), color=f"C{number % 8}", label=path.name)
-        line, = place.plot(x, 1e3 * path.contact, color=f"C{number % 8}")
+        look = panels.curve(number, len(x))
+        height.plot(x, 1e3 * path.irregularity(), label=path.name, **look)
+        line, = place.plot(x, 1e3 * path.contact, **look)
         figure_csv.name(line, path.name)
     section.set(xlabel="y across the scan (mm)", ylabel="height (mm)")
     height.set(ylabel="path of the wheel (mm)", xlabel="x along the track, trains run to larger x "
