@@ -189,7 +189,7 @@ WARNED = {"stage.passage.ground_moves=false":
           f"{TRAIN} bed.x=[0,2.4] ground.x=[0,2.4]":
               "leaves 1.5 m of the bed (x = 0 to 2.4 m) behind the last sleeper bare",
           f"{TRAIN} stage.load.kind=settle stage.load.cycles=0 stage.load.load=0 "
-          "stage.load.settlement=0": "no stage of kind load presses on the sleepers before",
+          "stage.load.settlement=0": "no stage of kind load loads the sleepers downwards",
           f"{TRAIN} stage.passage.duration=0.4 train.speed=30":
               "ends the stage before the train has left the bed",
           f"{TRAIN} stage.passage.ground_moves=false stage.load.ground_moves=false":

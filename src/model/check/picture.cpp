@@ -164,8 +164,8 @@ std::string Picture::texts(const View& view, std::vector<std::string>& notes) co
   for (Part part : parts_) {
     if (part.kind != Kind::text && part.kind != Kind::name) continue;
     const double width = letter * static_cast<double>(part.words.size() + 1);
-    if (part.kind == Kind::name &&
-        (width > part.room.x * view.scale || line_height > part.room.z * view.scale)) {
+    if (part.kind == Kind::name && (width > part.size_of_part.x * view.scale ||
+                                    line_height > part.size_of_part.z * view.scale)) {
       const std::string short_name = fmt::format("{}", ++number);
       list += fmt::format("{}{}: {}", number > 1 ? "; " : "", short_name, part.words);
       part.words = short_name;

@@ -49,7 +49,7 @@ class Picture {
     Paint paint;
     std::string words = {};
     Anchor anchor = Anchor::middle;
-    Point2 room = {0, 0};  // m, of names
+    Point2 size_of_part = {0, 0};  // m, of names
   };
   struct View;
   View view() const;

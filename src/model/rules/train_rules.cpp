@@ -192,8 +192,8 @@ void declare_bedding_in(const Model& model, input::Section& s) {
   }
   if (passed) return;
   s.rule("stage", !model.start.empty() || loaded > 0,
-         "no stage of kind load presses on the sleepers before the first train: the bed has not "
-         "been bedded in and settles under the train",
+         "no stage of kind load loads the sleepers downwards before the first train: the bed has "
+         "not been bedded in and settles under the train",
          {.severity = input::Severity::warning, .reads = {"stage", "start"}});
   const std::string key = fmt::format("stage[{}].load", last);
   const input::About about{.severity = input::Severity::warning,
