@@ -208,17 +208,18 @@ def show_forces(figure, scenes, forces, span):
     return row, largest_contact(chains, span)[1]
 
 
-def name_parts(panel, run, rail):
-    """Names rail, sleepers and ballast above the left end of an enlarged bed, where usually no
-    wheel is; `rail`: z of its top, m."""
+def name_parts(panel, run, rail, wheels):
+    """Names sleepers and ballast above the left end of an enlarged bed, where usually no wheel is,
+    and the rail where it is furthest from these `wheels` (x, m); `rail`: z of its top, m."""
     low, high = panel.get_xlim()
     x, width = run.sleepers_x, run.deck["sleepers"]["width"]
-    inside = x[(x > low + width) & (x < high - width)][:4]
+    inside = x[(x > low + width) & (x < high - width)]
     if len(inside) < 4:
         return
+    free = max(inside[2:], key=lambda place: np.nanmin(np.abs(wheels - place), initial=np.inf))
     low = model_drawing.underside(run)
     for words, place, z in (("sleeper", inside[0], low + run.deck["sleepers"]["height"] / 2),
-                            ("ballast", inside[1:3].mean(), low / 2), ("rail", inside[3], rail)):
+                            ("ballast", inside[1:3].mean(), low / 2), ("rail", free, rail)):
         panel.annotate(words, (place, z), (place, rail + 0.25), fontsize=9, ha="center",
                        va="center", zorder=6, clip_on=True,
                        bbox={"facecolor": "white", "alpha": 0.75, "lw": 0, "pad": 1},
@@ -243,8 +244,10 @@ def draw_model(train, folder):
         middle = float(np.mean(train.run.sleepers_x))
         figure.text(0.5, BETWEEN / size[1], "no contact forces: no field files within the passage",
                     ha="center", va="center", fontsize=9)
-    figure.text(0.6 / size[0], BETWEEN / size[1], model_drawing.DIRECTION, fontsize=11,
+    figure.text(0.6 / size[0], (BETWEEN + 0.1) / size[1], model_drawing.DIRECTION, fontsize=11,
                 va="center")
+    figure.text(0.6 / size[0], (BETWEEN - 0.15) / size[1],
+                "frame: enlarged below; grey on sleepers: packings", fontsize=9, va="center")
     figure.text(12.8 / size[0], BETWEEN / size[1], note_of_model(train.run), fontsize=9,
                 ha="right", va="center")
     for scene in scenes:
@@ -253,7 +256,7 @@ def draw_model(train, folder):
     close.set_ylim(low, high)
     half = 0.5 * (high - low) * 12.2 / 1.7
     close.set_xlim(middle - half, middle + half)
-    name_parts(close, train.run, scenes[1].rail)
+    name_parts(close, train.run, scenes[1].rail, train.passing.x[row].ravel())
     panel.set_xlabel("")
     panel.set_title(instant_shown(train, row, bool(forces)), fontsize=11)
     panel.indicate_inset((middle - half, low, 2 * half, high - low), edgecolor="k", lw=1)
