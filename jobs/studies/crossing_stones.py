@@ -2,6 +2,7 @@
 (inputs/track/sensor.toml), whose support, settlement and wheel forces are known. The chain assumes
 a track on springs (inputs/track/sensor_alone.toml).
 """
+import copy
 import dataclasses
 
 import h5py
@@ -30,6 +31,7 @@ CASES = {"sound": (), "void of 0.3 mm": (LAST, VOID.format(gap=3e-4)),
 EVERY_WINDOW = ("output.history_interval=0",)
 FREE = ("inside", "length", "dip")
 SMALLEST = 1e-7         # m, of a gap: the springs do not pull, but differ in nothing else
+OWN = 0.2               # m, length of a transition that leaves the next sleepers as they are
 
 
 def name_of(case):
@@ -45,7 +47,7 @@ class Record:
     """One train as the sensor sees it, and the truth: displacement, m, from rest; reaction of the
     stones, N, upwards; position, m, in the track, and force, N, of the first two wheels."""
 
-    def __init__(self, folder, train):
+    def __init__(self, folder, train, number=SENSOR):
         run, deck = read.results(folder), deck_of(DECK)
         rows = np.flatnonzero(run.stage == max(run.stage))
         self.time = run.time[rows]
@@ -53,7 +55,7 @@ class Record:
         begin = self.time[0] + train * each
         end = min(begin + each + MARGIN, self.time[-1])
         self.even = np.arange(begin - MARGIN, end, 1 / FINE)
-        sleeper = {name: self.sampled(run.sleeper[name].values[rows, SENSOR])
+        sleeper = {name: self.sampled(run.sleeper[name].values[rows, number])
                    for name in ("displacement", "acceleration", "reaction")}
         self.acceleration, self.reaction = sleeper["acceleration"], sleeper["reaction"]
         rest = slice(0, int(MARGIN * RATE / 2))
@@ -105,7 +107,7 @@ def measure(folder, program, numbers, lines):
         numbers.put(run, "reduction of the sum of squares", found.gain, "-")
         numbers.put(run, "rms of the acceleration", size / NOISE[0], "m/s2")
         numbers.put(run, "deviation of the displacement", 1e3 * moved.peak[1], "mm")
-        measure_causes(track, record, softer_of(folder, program, track), run, numbers)
+        measure_causes(track, record, softer_of(folder, program, track), run, folder / run, numbers)
         thin = slice(0, None, 20)
         when = np.arange(len(record.displacement))[thin] / RATE
         lines.put("stones", f"{case}, true, mm", when, 1e3 * record.displacement[thin])
@@ -123,8 +125,31 @@ def softer_of(folder, program, track):
     return ballast.Track(program, path, track.sensor, track.speed)
 
 
-def measure_causes(track, record, softer, run, numbers):
-    """Stiffness, MN/m, if parts of the chain are exact or other ones, of one train."""
+def fit_alone(track, moved):
+    """N/m, if only this sleeper differs from the deck of `track`: the better one of two begins."""
+    fit = ballast.Fit(track, moved, RATE, ["inside", "dip"])
+    fit.start["length"] = OWN
+    begins = track.stiffness, track.stiffness / 6
+    best = min((fit.solved(fit.start | {"inside": begin}) for begin in begins),
+               key=lambda done: done.cost)
+    return fit.values(best.x)["inside"]
+
+
+def with_neighbours(track, folder):
+    """The track with the true stiffness of the other sleepers on stones, of the last train."""
+    spacing, found = deck_of(DECK)["sleepers"]["spacing"], copy.copy(track)
+    found.zones = list(track.zones)
+    for number in range(deck_of(DECK)["sleepers"]["count"]):
+        x = track.sensor + (number - SENSOR) * spacing
+        factor = Record(folder, TRAINS[-1], number).stiffness() / track.stiffness
+        if number != SENSOR:
+            found.zones.append({"from": x - spacing / 2, "to": x + spacing / 2, "bed": factor})
+    return found
+
+
+def measure_causes(track, record, softer, run, folder, numbers):
+    """Stiffness, MN/m, if parts of the chain are exact or other ones, of one train; `folder`: of
+    this run."""
     acceleration, size = noisy(record, NOISE[0], 0)
     found, moved = ballast.calibrate(acceleration, RATE, track, FREE, noise=size)
     x, model = track.displacement(found.value)
@@ -139,11 +164,14 @@ def measure_causes(track, record, softer, run, numbers):
         left = gap.residuals(gap.unknown(found.value | {"void": void}))
         numbers.put(run, f"sum of squares, {what}", np.sum(left**2), "-")
     less, _ = ballast.calibrate(acceleration, RATE, softer, FREE, noise=size)
+    own, given = (fit_alone(each, moved) for each in (track, with_neighbours(track, folder)))
     for what, value in (("true", record.stiffness()), ("found", found.value["inside"]),
                         ("secant of the fitted model",
                          secant(model, spring, step, int(MARGIN * track.speed / step / 2))),
                         ("from the true displacement", exact.values(done.x)["inside"]),
-                        ("with the damping of the springs", less.value["inside"])):
+                        ("with the damping of the springs", less.value["inside"]),
+                        ("of this sleeper alone", own),
+                        ("and true stiffness of the others", given)):
         numbers.put(run, f"stiffness, one train, {what}", 1e-6 * value, "MN/m")
 
 

@@ -203,7 +203,8 @@ the one without. Without a gap the springs also pull the sleeper down when the r
 the smallest gap they do not. The weight of rail and sleeper, which holds a real sleeper down, is
 not part of the model, so that a void makes the fit of a sleeper that is hardly lifted worse. """
 STIFFNESSES = ("true", "found", "secant of the fitted model", "from the true displacement",
-               "with the damping of the springs")
+               "with the damping of the springs", "of this sleeper alone",
+               "and true stiffness of the others")
 
 
 def part_stiffness(n, cases):
@@ -226,12 +227,32 @@ Experiments on the stiffness, MN/m, second train, 0.1 % noise:
 The secant of the fitted model by the definition of the true stiffness differs from its parameter by
 at most {100 * same:.0f} %, as it must for springs. The true displacement in place of the
 reconstructed one changes the stiffness by at most {100 * moved:.0f} %, the damping of the springs
-in
-place of that chosen by hand by at most {100 * less:.0f} %. So the cause of the errors with voids
-and
-fouled ballast is not found. Not tested: that the model changes the stiffness over several sleepers,
-whereas one hangs, and that the true secant contains the way before the sleeper touches the stones.
+in place of that chosen by hand by at most {100 * less:.0f} %.
+
+{part_neighbours(values)}
 """
+
+
+def part_neighbours(values):
+    """What follows from the fits of one sleeper alone."""
+    error = {which: 100 * np.abs(values[which] / values["true"] - 1)
+             for which in ("found", *STIFFNESSES[-2:])}
+    own, given = (error[which] for which in STIFFNESSES[-2:])
+    soft = values["true"] < 0.5 * values["true"].max()  # hangs, or is on stones that slide
+    if not soft.any():
+        return "No sleeper is less than half as stiff as the sound one."
+    words = (f"Where the sleeper with the sensor is less than half as stiff as the sound one, the "
+             f"largest error is {error['found'][soft].max():.0f} % as found, "
+             f"{own[soft].max():.0f} % if only this sleeper differs from the springs of the deck, "
+             f"and {given[soft].max():.0f} % if the others have their true stiffness as well; in "
+             f"the other cases it is {error['found'][~soft].max():.0f}, {own[~soft].max():.0f} and "
+             f"{given[~soft].max():.0f} %. ")
+    if given[soft].max() < 0.5 * error["found"][soft].max():
+        words += ("Most of the error is therefore that of the model, which changes the stiffness "
+                  "over several sleepers, whereas single ones hang, and takes all others as those "
+                  "of the deck. One accelerometer does not tell them apart. ")
+    return words + ("The remaining error contains the free travel: a spring carries from the "
+                    "start, a sleeper above a void only when it touches the stones.")
 
 
 def part_voids(n, cases):
