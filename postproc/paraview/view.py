@@ -25,6 +25,7 @@ from framing import (CORNER, LONG, MOST, SIDE, UP, camera, depth_limited,  # noq
                      highest_speed, joined, passing, window)
 
 ABOVE_RAIL = 0.05       # m, shown above the lowest point of the rail if there is no wheel
+ABOVE_BED = 0.3         # m, above the stones without a rail: sleepers are less high, walls higher
 BLACK, GREY, STEEL = [0.0, 0.0, 0.0], [0.62, 0.6, 0.57], [0.25, 0.27, 0.3]
 PALE, BROWN, BLUE = [0.75, 0.74, 0.72], [0.55, 0.34, 0.29], [0.72, 0.77, 0.82]
 WHOLE = ("stones", "contacts", "bonds")  # not cut at the ends of the picture
@@ -108,6 +109,7 @@ def colour(display, part, view, shared=False):
     bar.TitleColor = bar.LabelColor = BLACK
     bar.TitleFontSize, bar.LabelFontSize = TITLE, LABEL
     bar.RangeLabelFormat = bar.LabelFormat = "%-#.3g"
+    bar.DrawTickLabels = 0  # those of small numbers would lie over each other
     display.SetScalarBarVisibility(view, True)
     return bar
 
@@ -284,8 +286,8 @@ def instant(sources, train, given, bed):
 
 
 def model_box(parts, now, with_wheel):
-    """The box of the bed with the rail and, if asked, its wheels, without what is deep in the
-    ground; the whole model if there is no bed."""
+    """The box of the bed with the rail, or with the sleepers if there is none, and, if asked, its
+    wheels, without what is deep in the ground; the whole model if there is no bed."""
     boxes = {name: box for name, (_, drawn) in parts.items()
              if (box := box_of(drawn, now)) is not None}
     bed = [boxes[name] for name in ("stones", "solids") if name in boxes] or \
@@ -294,6 +296,8 @@ def model_box(parts, now, with_wheel):
     if "train" in boxes:  # only in height; the rail is the lowest of the train
         top = boxes["train"][1][2] if with_wheel else boxes["train"][0][2] + ABOVE_RAIL
         found[1][2] = max(found[1][2], top)
+    elif "surfaces" in boxes:
+        found[1][2] = max(found[1][2], min(boxes["surfaces"][1][2], found[1][2] + ABOVE_BED))
     return depth_limited(found, boxes["ground"]) if "ground" in boxes else found
 
 

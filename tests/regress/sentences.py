@@ -265,7 +265,7 @@ WARNED = {"stage.passage.ground_moves=false":
           "stage.load.seat_force=-5e3": "lifts the sleepers: forces are positive downwards",
           f"{TRAIN}": "load: has no effect: no stage of kind passage is without a train",
           f"{TRAIN} ballast.damping=60":
-              "ballast.damping = 60.0: is small: usually at least 100 N s/m",
+              "ballast.damping = 60: is small: usually at least 100 N s/m",
           "ground.rayleigh_mass=0.04": "0.00032 at f = 10 Hz; is it meant as a ratio?",
           "ground.block.0.outline=[0,0, 0.5,0, 0.5,-0.56, 0,-0.56]":
               "has a side at z = -0.56 m, inside an element",
