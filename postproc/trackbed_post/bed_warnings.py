@@ -152,9 +152,16 @@ def _in_parts(run: read.Results, which: np.ndarray, changing: float | None) -> s
         for words, part in parts.items())
 
 
-def _of_settling(run: read.Results, changing: float | None) -> list[BedWarning]:
+def _settled(run: read.Results) -> tuple[np.ndarray, np.ndarray]:
+    """(sleepers that are not at the ends of the bed; how far each of them has settled into it, m,
+    downwards, 0 at the ends)."""
     inner = ~ground_blocks.ends(run)
-    kept = np.where(inner, measures.residual_displacement(run) - measures.residual_ground(run), 0.0)
+    into = measures.residual_displacement(run) - measures.residual_ground(run)
+    return inner, np.where(inner, into, 0.0)
+
+
+def _of_settling(run: read.Results, changing: float | None) -> list[BedWarning]:
+    inner, kept = _settled(run)
     settles = kept > SETTLES
     if not settles.any():
         return []
@@ -168,8 +175,8 @@ def _of_settling(run: read.Results, changing: float | None) -> list[BedWarning]:
 
 def _of_raised(run: read.Results) -> list[BedWarning]:
     """Sleepers that a passage leaves so much higher do not lie as they were bedded in."""
-    inner = ~ground_blocks.ends(run)
-    rise = np.where(inner, measures.residual_ground(run) - measures.residual_displacement(run), 0.0)
+    inner, kept = _settled(run)
+    rise = -kept
     raised = rise > measures.LASTING
     if not raised.any():
         return []

@@ -58,7 +58,7 @@ class Deck {
 // All parameters with their current values as a deck, which reads back to the same values (numbers
 // with 17 digits): the effective input stored in every result.
 std::string effective(const Declaration& declaration);
-// Whether a section, such as LoadParameters, differs from its default: every parameter is compared,
+// Whether a section, such as PadParameters, differs from its default: every parameter is compared,
 // as text.
 template <class T>
 bool differs_from_default(T section, T none = {}) {
