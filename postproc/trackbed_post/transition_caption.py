@@ -81,13 +81,14 @@ def limits(trains: list[Train], changes: list[Change]) -> str:
 
 
 def settlement(trains: list[Train], unsound: str = "") -> str:
-    """How far the sleepers that are not at the ends of the bed move, downwards and upwards; of
-    sound runs in which all of this is small that it is."""
+    """How far the sleepers that are not at the ends of the bed have settled or risen when the train
+    has left, which says nothing on how far they move under it; of sound runs in which all of this
+    is small that it is."""
     moved = [train.settlement_judged() for train in trains]
     if not unsound and max(np.abs(one).max() for one in moved) <= bed_warnings.SETTLES:
         run = " in either run" if len(trains) > 1 else ""
-        return (f"No sleeper that is judged moves by more than {1e3 * bed_warnings.SETTLES:g} mm "
-                f"relative to the ground in this passage{run}.")
+        return ("After this passage no judged sleeper has settled or risen by more than "
+                f"{1e3 * bed_warnings.SETTLES:g} mm relative to the ground{run}.")
     ranges = [f"{signed(-one.max())} to {signed(-one.min())} mm" for one in moved]
     found = with_names(trains, ranges)
     return f"Sleepers after this passage, relative to the ground: {found}, up positive."

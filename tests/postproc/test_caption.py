@@ -26,8 +26,8 @@ def sentences(text):
 def test_panels_have_their_message_as_title_and_the_rest_is_below_them():
     effect, force, settlement = transition_caption.titles(*pair(), "")
     steepest, sleepers, plain, limits = sentences(transition_caption.of(*pair(), "", True))
-    assert settlement == ("No sleeper that is judged moves by more than 0.1 mm relative to the "
-                          "ground in this passage in either run.")
+    assert settlement == ("After this passage no judged sleeper has settled or risen by more "
+                          "than 0.1 mm relative to the ground in either run.")
     assert effect == (
         "With the wedge the rail reaches 90% of its change from structure to plain track 2.7 m "
         "behind the structure instead of 0.5 m, and the steepest part of the change is 80% less "
@@ -57,7 +57,15 @@ def test_sleepers_that_move_downwards_or_upwards_are_stated(by, words):
         "Sleepers after this passage, relative to the ground: -0.100 to -0.100 mm (with wedge) and "
         f"{words} (without wedge), up positive.")
     small = transition_caption.settlement(trains[:1])
-    assert small.endswith("more than 0.1 mm relative to the ground in this passage.")
+    assert small == ("After this passage no judged sleeper has settled or risen by more than 0.1 mm "
+                     "relative to the ground.")
+
+
+def test_the_title_of_settlements_is_not_about_how_far_sleepers_move_under_the_train():
+    trains, _ = pair()
+    trains[0].passing.displacement[len(trains[0].passing.time) // 2] -= 1e-3
+    title = transition_caption.settlement(trains)
+    assert title.startswith("After this passage no judged sleeper has settled")
 
 
 def test_a_run_that_is_warned_of_gets_no_reassuring_title():
