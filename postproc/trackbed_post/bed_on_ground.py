@@ -81,10 +81,10 @@ def stress(runs):
         compression = -run.ground_envelope["sigma_z_min"].values[order] / 1e3
         nodes, = panel.plot(x, compression, color=colour, lw=0.7, alpha=0.6)
         figure_csv.name(nodes, f"{run.name}, each node")
-        mean = measures.smoothed(x, compression, measures.spacing(run))
-        panel.plot(x, mean, style, color=colour, lw=2,
+        middles, mean = measures.means_over(x, compression, measures.spacing(run))
+        panel.plot(middles, mean, style, color=colour, lw=2,
                    label=f"{run.name} (bold: mean over one sleeper spacing)")
-        text.append(f"{run.name} {np.max(mean):.0f} kPa")
+        text.append(f"{run.name} {judgement.shown(np.max(mean))} kPa")
     mark_blocks(panel, runs[0])
     panel.set_xlabel("x along the track (m)")
     panel.set_ylabel("largest vertical compression of the\nground surface in the passage (kPa)")
@@ -284,7 +284,7 @@ def overview(runs):
         panels[1].plot(x, run.ground_envelope["displacement_min"].values[order] * 1e3, style,
                        color=colour, label=run.name)
         compression = -run.ground_envelope["sigma_z_min"].values[order] / 1e3
-        panels[2].plot(x, measures.smoothed(x, compression, measures.spacing(run)), style,
+        panels[2].plot(*measures.means_over(x, compression, measures.spacing(run)), style,
                        color=colour, label=run.name)
     panels[1].set_ylabel(f"lowest displacement of\nthe ground surface, {UP}")
     panels[2].set_ylabel("largest compression (kPa),\nmean over a sleeper spacing")

@@ -44,6 +44,20 @@ def smoothed(x: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:
     return np.array([np.mean(values[np.abs(x - place) <= width / 2 + TINY]) for place in x])
 
 
+def means_over(x: np.ndarray, values: np.ndarray, width: float) -> tuple[np.ndarray, np.ndarray]:
+    """(middles, means) of the values over each `width`, m, that ends or begins at a node, which
+    belongs to none: those of table.txt beside the edge of a structure are among them. x rises. What
+    extends beyond the ends is left out, unless there is nothing else."""
+    parts = {(0, len(x))} if np.ptp(x) < width - TINY else {
+        (int(np.searchsorted(x, low)), int(np.searchsorted(x, high)))
+        for at in x for low, high in ((at - width - TINY, at - TINY),
+                                      (at + TINY, at + width + TINY))
+        if low >= x[0] - 2 * TINY and high <= x[-1] + 2 * TINY}
+    found = sorted((float(np.mean(x[one])), float(np.mean(values[one])))
+                   for one in (slice(*part) for part in parts) if len(x[one]))
+    return np.array([middle for middle, _ in found]), np.array([mean for _, mean in found])
+
+
 def has_ground(results: read.Results) -> bool:
     """Whether the bed is on a ground; otherwise it is on a rigid floor."""
     return bool(results.deck.get("ground", {}).get("present", len(results.ground_x) > 0))
