@@ -13,6 +13,8 @@ from trackbed_post.judgement import shown
 from trackbed_post.measures import TINY
 from trackbed_post.transition_verdict import extends, length, slope, steepest
 
+OWN = "The sleepers' own levels (thin lines)"
+
 if typing.TYPE_CHECKING:
     from trackbed_post.transition import Change, Train
 
@@ -72,12 +74,14 @@ def same_places(trains: list[Train], changes: list[Change]) -> bool:
 
 
 def limits(trains: list[Train], changes: list[Change]) -> str:
-    """What the numbers are to be compared with, and what they depend on."""
+    """What the numbers depend on, as far as the runs tell it (train_of() takes plane models only),
+    and with what they are to be compared."""
     scatter = slope(max(change.scatter for change in changes))
     other = "; structure, transition and plain track are other places in the second run" \
         if len(changes) > 1 and not same_places(trains, changes) else ""
-    return (f"on plain track the rail changes by up to {scatter} between neighbouring sleepers; "
-            f"one packing of stones was computed{other}.")
+    return (f"in this plane model loads do not spread across the track; one packing of stones was "
+            f"computed; on plain track the rail changes by up to {scatter} between neighbouring "
+            f"sleepers{other}.")
 
 
 def settlement(trains: list[Train], unsound: str = "") -> str:
@@ -88,7 +92,7 @@ def settlement(trains: list[Train], unsound: str = "") -> str:
     if not unsound and max(np.abs(one).max() for one in moved) <= bed_warnings.SETTLES:
         run = " in either run" if len(trains) > 1 else ""
         return ("After this passage no judged sleeper has settled or risen by more than "
-                f"{1e3 * bed_warnings.SETTLES:g} mm relative to the ground{run}.")
+                f"{1e3 * bed_warnings.SETTLES:g} mm{run}.")  # the axis: relative to the ground
     ranges = [f"{signed(-one.max())} to {signed(-one.min())} mm" for one in moved]
     found = with_names(trains, ranges)
     return f"Sleepers after this passage, relative to the ground: {found}, up positive."
@@ -109,12 +113,34 @@ def titles(trains: list[Train], changes: list[Change] | None, unsound: str) -> t
     return first, forces(trains, changes, why), settlement(trains, unsound)
 
 
+def own_levels(trains: list[Train], changes: list[Change]) -> str:
+    """How the sleepers' own levels change, each number with its verdict."""
+    found, measure = transition_verdict.differences(trains, changes), \
+        transition_verdict.measure_of(trains)
+    both = found["sleeper_width"], found["sleeper_steepest"]
+    (over, other), (steep, than) = [[one.of_text(one.first), one.of_text(one.second)]
+                                    for one in both]
+    known = np.isfinite([both[0].first, both[0].second]).all()
+    words = [f"{OWN} change over {over} instead of {other}" if known else
+             f"{OWN} do not reach the end of their change in both runs",
+             f"their steepest change is {steep} instead of {than}"]
+    verdicts = [transition_verdict.judged_of(one, measure) for one in both]
+    if all(transition_verdict.in_scatter(changes, "sleeper_")):
+        words[1] += ", not larger than the scatter on plain track"
+        verdicts[1] = "no verdict from it"
+    if not known:
+        return f"{words[0]}; {words[1]}: {verdicts[1]}."
+    if verdicts[0] == verdicts[1]:
+        both_are = "neither is a clear effect" if verdicts[0] == transition_verdict.NO_EFFECT else \
+            f"both {verdicts[0]}"
+        return f"{words[0]}, and {words[1]}: {both_are}."
+    return f"{words[0]}: {verdicts[0]}; {words[1]}: {verdicts[1]}."
+
+
 def judged(trains: list[Train], changes: list[Change]) -> list[str]:
     """Of two runs with a verdict: places on the rail, effect on sleepers, forces, limits."""
     both = ", instead of ".join(steepest(changes))
-    return [f"The steepest change of the rail is {both}.",
-            "Sleepers alone (thin lines), distance and slope: "
-            f"{transition_verdict.of_both(trains, changes)}.",
+    return [f"The steepest change of the rail is {both}.", own_levels(trains, changes),
             on_plain_track(trains, changes), f"Limits: {limits(trains, changes)}"]
 
 

@@ -27,7 +27,7 @@ def test_panels_have_their_message_as_title_and_the_rest_is_below_them():
     effect, force, settlement = transition_caption.titles(*pair(), "")
     steepest, sleepers, plain, limits = sentences(transition_caption.of(*pair(), "", True))
     assert settlement == ("After this passage no judged sleeper has settled or risen by more "
-                          "than 0.1 mm relative to the ground in either run.")
+                          "than 0.1 mm in either run.")
     assert effect == (
         "With the wedge the rail reaches 90% of its change from structure to plain track 2.7 m "
         "behind the structure instead of 0.5 m, and the steepest part of the change is 80% less "
@@ -35,14 +35,16 @@ def test_panels_have_their_message_as_title_and_the_rest_is_below_them():
     assert steepest == ("The steepest change of the rail is 0.20 mm/m, 1.5 m behind the "
                         "structure, instead of 1.0 mm/m, 0.3 m behind the structure.")
     assert sleepers == (
-        "Sleepers alone (thin lines), distance and slope: both are as expected of a wedge.")
+        "The sleepers' own levels (thin lines) change over 2.7 m instead of 0.5 m, and their "
+        "steepest change is 0.20 mm/m instead of 1.0 mm/m: both as expected of a wedge.")
     assert force == ("Largest wheel force in the transition: 60.0 kN (with wedge) and 60.0 kN "
                      "(without wedge): no clear effect.")
     assert plain == ("On plain track the largest wheel force is 60.0 kN (with wedge) and 60.0 kN "
                      "(without wedge).")
-    assert limits.startswith("Limits: on plain track the rail changes by up to 0.0 mm/m between "
-                             "neighbouring sleepers; ")
-    assert "one packing of stones was computed" in limits
+    assert limits.startswith(
+        "Limits: in this plane model loads do not spread across the track; one packing of stones "
+        "was computed; on plain track the rail changes by up to 0.0 mm/m between neighbouring "
+        "sleepers; ")
     assert limits.endswith("; warnings are in transition.txt.")
     assert "other places" not in limits
 
@@ -57,8 +59,7 @@ def test_sleepers_that_move_downwards_or_upwards_are_stated(by, words):
         "Sleepers after this passage, relative to the ground: -0.100 to -0.100 mm (with wedge) and "
         f"{words} (without wedge), up positive.")
     small = transition_caption.settlement(trains[:1])
-    assert small == ("After this passage no judged sleeper has settled or risen by more than 0.1 mm "
-                     "relative to the ground.")
+    assert small == ("After this passage no judged sleeper has settled or risen by more than 0.1 mm.")
 
 
 def test_the_title_of_settlements_is_not_about_how_far_sleepers_move_under_the_train():
@@ -126,6 +127,20 @@ def test_a_change_that_is_never_reached_has_no_distance():
             ([changes[0], never[1]], "over 2.7 m, without wedge the end of it is not reached;")):
         text = transition_caption.titles(trains[:len(given)], given, "")[0]
         assert words in text and "nan" not in text
+
+
+def test_sleepers_have_a_verdict_for_each_number():
+    trains, changes = pair()
+    uneven = [dataclasses.replace(change, sleeper_scatter=1e-3) for change in changes]
+    for given, words in (
+            ([dataclasses.replace(change, sleeper_scatter=9e-4) for change in changes],
+             "2.7 m instead of 0.5 m: as expected of a wedge; their steepest change is 0.20 mm/m "
+             "instead of 1.0 mm/m: no clear effect."),
+            (uneven, "1.0 mm/m, not larger than the scatter on plain track: no verdict from it."),
+            ([dataclasses.replace(changes[0], sleeper_width=np.nan), changes[1]],
+             "(thin lines) do not reach the end of their change in both runs; their steepest "
+             "change is 0.20 mm/m instead of 1.0 mm/m: as expected of a wedge.")):
+        assert words in transition_caption.own_levels(trains, given)
 
 
 def test_the_caption_states_why_there_is_no_verdict_and_the_numbers():
