@@ -71,6 +71,12 @@ class Passing:
         """Whether each axle is over the bed's sleepers, [time, axle]."""
         return (self.x >= self.sleepers_x[0]) & (self.x <= self.sleepers_x[-1])
 
+    def judged_span(self):
+        """x from the first to the last sleeper that is not at the ends of the bed, m; around a
+        single one half a spacing on either side."""
+        low, high = self.sleepers_x[~self.ends][[0, -1]]
+        return (low, high) if high > low else (low - self.spacing / 2, high + self.spacing / 2)
+
     def off_the_rail(self):
         """Part of the rows with an axle over the bed in which a wheel there has no force."""
         there = np.repeat(self.on_bed(), self.force.shape[2], axis=1)
@@ -113,14 +119,15 @@ def under_axle(passing, axle):
 
 
 def numbers(passing):
-    """Name -> (value, unit). Sleepers at the ends of the bed, and the rail above them, do not
-    count."""
-    inner = ~passing.ends
-    force = np.where(passing.on_bed()[..., None], passing.force, np.nan)
+    """Name -> (value, unit). Sleepers at the ends of the bed, and the rail and wheels above them,
+    do not count."""
+    inner, (low, high) = ~passing.ends, passing.judged_span()
+    force = np.where(((passing.x >= low) & (passing.x <= high))[..., None], passing.force, np.nan)
     if not np.isfinite(force).any():
-        raise read.Unreadable("no wheel was over the bed while histories were written")
-    found = {"largest wheel force over the bed": (np.nanmax(force) / 1e3, "kN"),
-             "least wheel force over the bed": (np.nanmin(force) / 1e3, "kN")}
+        raise read.Unreadable("no wheel was over the judged sleepers of the bed while histories "
+                              "were written")
+    found = {"largest wheel force over the judged sleepers": (np.nanmax(force) / 1e3, "kN"),
+             "least wheel force over the judged sleepers": (np.nanmin(force) / 1e3, "kN")}
     if (off := passing.off_the_rail()) > 0:
         found["a wheel off the rail, part of the rows with a wheel over the bed"] = (100 * off, "%")
     for axle in range(force.shape[1]):
@@ -160,8 +167,10 @@ def sentence(name, stage, passing, found):
     def of(what):
         return next(f"{value:.4g} {unit}" for key, (value, unit) in found.items() if what in key)
     state = [one for one in (stage, passing.state()) if one]
-    return (f"{', '.join([name, *state])}: wheel forces over the bed from "
-            f"{of('least wheel force')} to {of('largest wheel force')}; rail lowered by up to "
+    low, high = passing.judged_span()
+    return (f"{', '.join([name, *state])}: wheel forces over the judged sleepers (x = "
+            f"{low:.2f} to {high:.2f} m) from {of('least wheel force')} to "
+            f"{of('largest wheel force')}; rail lowered there by up to "
             f"{of('rail above the sleepers')}.")
 
 
@@ -226,7 +235,7 @@ def draw_into(results, folder):
     text += "".join(f"{name:{wide}} {value:10.4g} {unit}\n"
                     for name, (value, unit) in found.items())
     if left_out := measures.left_out(passing.ends):
-        text += f"sleepers, and the rail above them: {left_out}\n"
+        text += f"sleepers, and rail and wheels above them: {left_out}\n"
     text += "".join(f"warning: {run.name}: {one}\n" for one in passage_warnings.of_bed(run))
     folder.picture("train", draw(passing, ground_blocks.stretches(run), stage))
     folder.table("train.txt", text)

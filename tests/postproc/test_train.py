@@ -34,8 +34,8 @@ def made(trains=1):
 
 def test_settlement_of_each_axle():
     found = train_figures.numbers(train_figures.Passing(*made()))
-    assert found["largest wheel force over the bed"] == (pytest.approx(60), "kN")
-    assert found["least wheel force over the bed"] == (pytest.approx(50), "kN")
+    assert found["largest wheel force over the judged sleepers"] == (pytest.approx(60), "kN")
+    assert found["least wheel force over the judged sleepers"] == (pytest.approx(50), "kN")
     # Right behind the axle the displacement is the deflection plus the settlement by this axle.
     down = "largest downward sleeper displacement"
     more = "largest downward sleeper displacement minus that of axle 1, mean of sleepers"
@@ -52,8 +52,12 @@ def test_sleepers_at_the_ends_of_the_bed_are_marked_and_do_not_count():
     before = train_figures.numbers(train_figures.Passing(run, every))
     for name in ("rail", "sleeper"):
         every[f"history/{name}/displacement"].values[1:, [0, 2]] *= 3
+    x = every["history/wheel/x"].values
+    every["history/wheel/force"].values[np.abs(x - run.sleepers_x[1]) > 0.51] *= 2
     passing = train_figures.Passing(run, every)
     assert train_figures.numbers(passing) == before
+    assert "over the judged sleepers (x = 3.50 to 4.50 m) from 50 kN to 60 kN; rail lowered there" in \
+        train_figures.sentence("made", "", passing, before)
     figure = train_figures.draw(passing, [])
     for panel in figure.axes[1:]:
         hollow = [line for line in panel.lines if line.get_markerfacecolor() == "white"]
@@ -185,7 +189,7 @@ def test_two_rails_are_distinguished():
     found = train_figures.numbers(passing)
     assert found["axle 1, left and right wheel, largest difference"][0] == pytest.approx(4)
     assert found["axle 2, left and right wheel, largest difference"][0] == pytest.approx(0)
-    assert found["least wheel force over the bed"][0] == pytest.approx(46)
+    assert found["least wheel force over the judged sleepers"][0] == pytest.approx(46)
     down = "largest downward sleeper displacement"
     assert found[f"axle 1, {down}, mean of sleepers"][0] == pytest.approx(1.1)
     assert found["left minus right seat height of a sleeper, largest"][0] == pytest.approx(3)
