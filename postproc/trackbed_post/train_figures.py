@@ -10,6 +10,7 @@ from trackbed_post import (axles, ground_blocks, measures, panels, passage_warni
                            shades)
 
 SHOWN_WHEELS = len(panels.MARKERS)  # the first wheels are shown
+ROOM = 0.25   # of the judged range of displacements, above and below it
 
 
 def train_rows(wheel_x, name):
@@ -186,6 +187,31 @@ def draw_left(panel, passing):
                        "in the last row, train not past all sleepers")
     panels.mark_ends(panel, line, passing.ends, panels.END)
     panel.set(ylabel=f"vertical displacement\nof sleepers, {panels.UP}", xlabel="x, m")
+    show_judged(panel, passing.sleepers_x, passing.ends, 1e3 * np.vstack(
+        [passing.left, -passing.sunk_since_first()[1:SHOWN_WHEELS]]))
+
+
+def show_judged(panel, x, ends, values):
+    """Scales the panel to what is judged of `values`, mm, [line, sleeper]. Sleepers at the ends of
+    the bed may move several times as far: an arrow with their largest value is at the edge."""
+    with np.errstate(invalid="ignore"):
+        judged = values[:, ~ends][np.isfinite(values[:, ~ends])]
+    low, high = min(judged.min(initial=0), 0), max(judged.max(initial=0), 0)
+    room = ROOM * (high - low)
+    for side in (x < x.mean(), x >= x.mean()):
+        there = values[:, ends & side]
+        there = there[np.isfinite(there)]
+        place = x[side].min() if side[0] else x[side].max()
+        for beyond, value, arrow, at in (
+                (there.max(initial=0) - high > room, there.max(initial=0), "↑", 0.98),
+                (low - there.min(initial=0) > room, there.min(initial=0), "↓", 0.02)):
+            if beyond and room:
+                panel.set_ylim(low - room, high + room)
+                panel.annotate(  # beside the bed, where no line is
+                    f"{arrow} up to\n{value:+.2g} mm,\nnot judged", (place, at),
+                    (-6 if side[0] else 6, 0), xycoords=panel.get_xaxis_transform(),
+                    textcoords="offset points", fontsize=8, ha="right" if side[0] else "left",
+                    va="top" if at > 0.5 else "bottom")
 
 
 def draw(passing, stretches, stage=""):

@@ -46,6 +46,19 @@ def test_settlement_of_each_axle():
     assert found[f"{left}, largest"][0] == pytest.approx(0.2)
 
 
+@pytest.mark.parametrize("move, words", [(4.0, "↑ up to\n+4 mm,\nnot judged"), (0.05, "")])
+def test_sleepers_at_the_ends_do_not_set_the_scale_of_the_differences(move, words):
+    run, every = made()
+    passing = train_figures.Passing(run, every)
+    passing.lowest[1, 2] = passing.lowest[0, 2] + 1e-3 * move
+    panel = train_figures.draw(passing, []).axes[2]
+    texts = [text.get_text() for text in panel.texts]
+    assert words in texts or not words and not texts
+    assert panel.get_ylim()[1] < 0.1
+    assert not words or max(panel.lines[0].get_ydata()) == pytest.approx(move), "the whole line"
+    plt.close("all")
+
+
 def test_sleepers_at_the_ends_of_the_bed_are_marked_and_do_not_count():
     """The first and last of three: they go lower, and stay so, with the rail above them."""
     run, every = made()
