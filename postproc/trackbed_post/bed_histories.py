@@ -140,14 +140,14 @@ def energy(runs):
             panel.plot(run.time, run.energy[name].values, style, color=colour, lw=1,
                        label=run.name)
             panel.set_ylabel(label)
-        text.append(f"{run.name}: last kinetic {run.energy['kinetic'].values[-1]:.3g} J")
+        text.append(f"{run.name} {run.energy['kinetic'].values[-1]:.3g} J at {run.time[-1]:.3f} s")
     draw_potential(runs, COLOURS, panels[2])
     panels[0].set_yscale("log")  # from kJ of falling stones to below mJ at rest
     mark_stages(panels, runs)
     for panel in panels:
         panel.grid(alpha=0.3)
-    panels[0].set_title(wrapped("Energies of the stones\n"
-                                + "; ".join(text), 9), fontsize=10)
+    panels[0].set_title(wrapped("Energies of the stones\nkinetic energy in the last row of the "
+                                f"histories: {'; '.join(text)}", 9), fontsize=10)
     panels[-1].set_xlabel("simulated time (s)")
     legend_below(panels[-1], columns=4)
     return figure

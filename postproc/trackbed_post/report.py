@@ -272,7 +272,8 @@ def numbers_of(runs):
         heading, rows = stages_of(run)
         if rows:
             parts += [element("h2", f"Stages of {run.name}"), table(heading, rows)]
-    for title, of in (("Balances at the end", balances_of), ("Cost, mean over the ranks", cost_of)):
+    for title, of in (("Balances at the end of the run", balances_of),
+                      ("Cost, mean over the ranks", cost_of)):
         rows = side_by_side(runs, of)
         if rows:
             parts += [element("h2", title), table(["", *(run.name for run in runs)], rows)]

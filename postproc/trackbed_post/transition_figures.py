@@ -192,7 +192,7 @@ def note_of_model(run):
     train = run.deck.get("train", {})
     count = len(train.get("vehicles", []))
     return (f"{count} vehicle{'s' * (count != 1)}, {3.6 * train.get('speed', 0):.0f} km/h\n"
-            f"stones and sleepers: end of the run, {run.time[-1]:.3f} s")
+            f"stones and sleepers: end of the run (last row: {run.time[-1]:.3f} s)")
 
 
 def show_forces(figure, scenes, forces, span):

@@ -261,7 +261,7 @@ def test_the_model_states_its_instant_and_hides_no_vehicle(tmp_path, with_files)
     assert [text.get_text() for text in figure.axes[1].texts if text.get_visible()][-3:] == [
         "sleeper", "ballast", "rail"]
     note = next(text for text in figure.texts if "stones and sleepers:" in text.get_text())
-    assert f"sleepers: end of the run, {run.time[-1]:.3f} s" in note.get_text()
+    assert f"sleepers: end of the run (last row: {run.time[-1]:.3f} s)" in note.get_text()
     assert len(figure.legends) == int(with_files) and panel.get_legend() is None
     direction, = [text for text in figure.texts if text.get_text() == model_drawing.DIRECTION]
     between = [*figure.legends, direction, note]

@@ -92,6 +92,10 @@ def test_the_potential_energy_counts_from_the_begin_of_each_stage(runs):
         energy={name: dataclasses.replace(item, values=item.values[later])
                 for name, item in runs[1].energy.items()})
     axes = bed_histories.energy([first, variant]).axes
+    kinetic = " and ".join(f"{run.name} {run.energy['kinetic'].values[-1]:.3g} J at "
+                           f"{run.time[-1]:.3f} s" for run in (first, variant))
+    assert " ".join(axes[0].get_title().split()).replace("; ", " and ") == (
+        f"Energies of the stones kinetic energy in the last row of the histories: {kinetic}")
     assert [axis.get_ylabel().split(",")[0] for axis in axes] == ["kinetic (J)", "elastic",
                                                                   "potential"]
     drawn = [line.get_ydata() for line in axes[2].lines[:2]]
