@@ -71,7 +71,8 @@ def test_displacements_on_axes_are_up_positive(runs, monkeypatch):
         assert [text.get_text() for text in panel.get_legend().texts] == [
             *(f"{what}, {run.name}" for run in runs), *ends]
     assert "run wedge: 2.00 mm; run no" in upper.get_title()
-    moved = stage_histories.stages(runs).axes[0]
+    moved, seats = stage_histories.stages(runs).axes[0:3:2]
+    assert "with the\ndeck's seat_force" in seats.get_ylabel()
     sensor = bed_histories.sensors(runs).axes[0]
     _, down, left = train_figures.draw(train_figures.Passing(*test_train.made()), []).axes
     for panel in (level, settled, upper, lower, down, left, moved, sensor):
