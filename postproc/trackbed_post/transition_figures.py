@@ -272,21 +272,23 @@ class Film:
         # The upper panel has the shape of its contents, so that both have the same axis along x.
         long, left, bottom = 11.2, 0.85, 3.5  # inches
         high = long * model_drawing.shape_of(run, model_drawing.CUT)
-        self.figure = plt.figure(figsize=(long + left + 0.2, bottom + high + 0.4))
+        self.figure = plt.figure(figsize=(long + left + 0.2, bottom + high + 0.65))
         size = np.array([self.figure.get_figwidth(), self.figure.get_figheight()] * 2)
         self.panel = self.figure.add_axes(np.array([left, bottom, long, high]) / size)
         self.level = self.figure.add_axes(np.array([left, 0.6, long, 2.3]) / size,
                                           sharex=self.panel)
         self.trains, self.largest = trains, largest
         self.scene = model_drawing.Scene(self.panel, run, model_drawing.CUT)
-        self.panel.set(title=model_drawing.heading(run), xlabel="")
+        self.panel.set_xlabel("")
+        self.panel.set_title(model_drawing.heading(run), pad=22)
         self._prepare_levels()
         # Between both panels: above the bed it would hide the train, in the ground names of layers.
         self.figure.legend(*self.scene.key_of_chains(largest), loc="center", frameon=False,
                            bbox_to_anchor=((left + long / 2) / size[0], 3.07 / size[1]), fontsize=9)
         write.state_origin(self.figure, origin)
-        self.clock = self.panel.text(0.01, 0.96, "", transform=self.panel.transAxes, va="top",
-                                     fontsize=10)
+        # Between title and panel, where no vehicle comes.
+        self.clock = self.panel.annotate("", (0, 1), (0, 4), xycoords="axes fraction",
+                                         textcoords="offset points", va="bottom", fontsize=10)
         self.figure.canvas.draw()
         self.still = self.figure.canvas.copy_from_bbox(self.figure.bbox)
 
@@ -311,7 +313,10 @@ class Film:
                 min(row, len(passing.time) - 1)
             up = 1e3 * (passing.rail - passing.rail[passing.first])
             line.set_data(train.run.sleepers_x, up[at])
-            lower.set_data(train.run.sleepers_x, up[:at + 1].min(axis=0))
+            # Before the row from which levels count, rail and sleepers still find their places.
+            since = up[min(passing.first, at):at + 1]
+            lower.set_data(train.run.sleepers_x, since.min(axis=0) if at >= passing.first else
+                           np.full(len(train.run.sleepers_x), np.nan))
 
     def picture(self, row, chains, words):
         """Pixels of an instant; `words` follow the direction of travel."""

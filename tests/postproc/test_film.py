@@ -61,6 +61,33 @@ def test_clock_of_a_film_is_that_of_its_files(tmp_path):
         assert "after the train began" not in words
 
 
+def test_the_lowest_level_of_a_film_counts_from_the_row_of_level_zero(tmp_path):
+    """Before it, rail and sleepers move to their equilibrium."""
+    train = train_at()
+    train.passing.first = 56
+    train.passing.rail = train.passing.rail.copy()
+    train.passing.rail[:55] = -5e-3
+    pictures = transition_figures.film([train], written(tmp_path), "made")
+    lowest = []
+    for _ in pictures:
+        level = plt.gcf().axes[1]
+        line, = (one for one in level.lines if one.get_label().startswith("lowest up to then"))
+        lowest.append(np.asarray(line.get_ydata())[0])
+    assert np.isnan(lowest[0]) and np.isnan(lowest[1]) and lowest[2] == 0
+    assert lowest[-1] == pytest.approx(-1)
+
+
+def test_no_vehicle_hides_the_direction_of_travel(tmp_path):
+    pictures = transition_figures.film([train_at()], written(tmp_path), "made")
+    for _ in pictures:
+        figure = plt.gcf()
+        panel = figure.axes[0]
+        clock = next(text for text in panel.texts if "direction" in text.get_text())
+        place = clock.get_window_extent(figure.canvas.get_renderer())
+        assert place.y0 > panel.get_window_extent().y1
+        assert not place.overlaps(panel.title.get_window_extent())
+
+
 def test_width_of_a_contact_force_is_explained(tmp_path):
     pictures = transition_figures.film([train_at()], written(tmp_path), "made")
     next(pictures)
