@@ -121,7 +121,8 @@ def remembered(run, name, known):
 def peaks_of(runs, name, known):
     """Of each run: name of each passing frequency -> the lobe of its spectrum there."""
     marks = [frequencies.of_passage(run) for run in runs]
-    found = [passing_peaks.lobes(remembered(run, name, known), own, frequencies.beside(run, own))
+    found = [passing_peaks.lobes(remembered(run, name, known), own, frequencies.beside(run, own),
+                                 frequencies.resolution(run))
              for run, own in zip(runs, marks)]
     return passing_peaks.judged(found, all(
         frequencies.alike(marks[0], other) for other in marks[1:]))
@@ -150,7 +151,7 @@ def table_of_peaks(runs, known=None):
     lines = []
     for number, run in enumerate(runs):
         lines += ["", f"spectra of sleepers near the passing frequencies, {run.name}, "
-                  f"{passage_of_spectra([run])}"]
+                  f"{passage_of_spectra([run])}, resolution {frequencies.resolution(run):.2g} Hz"]
         marks = frequencies.of_passage(run)
         lines += [f"  {name.replace('_', ' '):<16}{f'{mark} = {marks[mark]:.2f} Hz':<24}"
                   + (lobe.words(SPECTRA[name][0]) if lobe else "beyond the spectrum")
@@ -177,7 +178,8 @@ def spectra(runs, known=None):
             frequency, mean = remembered(run, name, known)
             shown = frequency <= shown_hz
             panel.plot(frequency[shown], mean[shown], style, color=colour, lw=1, label=run.name)
-            mark_peaks(panel, lobes, colour, f"{run.name}, peak at a passing frequency")
+            mark_peaks(panel, lobes, colour, f"{run.name}, peak near a passing frequency "
+                       f"(resolution {frequencies.resolution(run):.2g} Hz)")
         panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
     for panel in panels:
         for mark, target in marks.items():

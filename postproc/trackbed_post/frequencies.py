@@ -88,6 +88,13 @@ def rows_of_last_train(results: read.Results) -> slice:
     return slice(rows.start + int(trains[-1][0]), rows.stop) if len(trains) > 1 else rows
 
 
+def resolution(results: read.Results) -> float:
+    """Of spectra of the passage, Hz: one over the length of their record; what is closer cannot be
+    distinguished, also where zeros are appended so that lines are closer."""
+    time = results.time[rows_of_last_train(results)]
+    return 1 / float(np.ptp(time)) if len(time) > 1 else 0.0
+
+
 def of_passage(results: read.Results) -> dict[str, float]:
     """{name: Hz} of the last passage: of its train, or of the axles of [load]."""
     if ground_blocks.carried_by_springs(results):

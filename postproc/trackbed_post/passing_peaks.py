@@ -35,11 +35,15 @@ class Lobe:
     reach: float       # Hz, that was searched on both sides
     peak: bool = False
     stated_at: str = ""
+    unresolved: str = ""  # another passing frequency that the record does not distinguish from this
 
     def words(self, unit: str) -> str:
         """What a table says of it."""
         if self.stated_at:
             return f"no peak of its own: the same maximum as at {self.stated_at}, which is nearer"
+        if self.unresolved:
+            return (f"no peak: closer to {self.unresolved} than the resolution of the record "
+                    f"(highest lobe {self.amplitude:.3g} {unit} at {self.frequency:.2f} Hz)")
         beside = "with nothing beside it to compare" if math.isnan(self.ratio) else \
             f"{_times(self.ratio)} times the largest amplitude beside it"
         if self.peak:
@@ -88,8 +92,13 @@ def _beside(spectrum: Spectrum, k: int, beside: float) -> float:
     return float(np.max(amplitude[there], initial=np.finfo(float).tiny))
 
 
-def lobes(spectrum: Spectrum, marks: dict[str, float], beside: float) -> dict[str, Lobe | None]:
-    """Of each passing frequency. A maximum that is near two of them is that of the nearest."""
+def lobes(spectrum: Spectrum, marks: dict[str, float], beside: float,
+          resolution: float = 0.0) -> dict[str, Lobe | None]:
+    """Of each passing frequency. A maximum that is near two of them is that of the nearest.
+    `resolution` of the record, Hz: of two passing frequencies that are closer than this neither has
+    a peak, as it could be that of the other. How far a maximum may be from its own frequency does
+    not follow from the resolution but from the train (frequencies.reach): the slope of one factor
+    of its spectrum shifts the maximum of another, in records of any length."""
     found = {name: lobe_near(spectrum, target, frequencies.reach(marks, name), beside)
              for name, target in marks.items()}
 
@@ -97,8 +106,13 @@ def lobes(spectrum: Spectrum, marks: dict[str, float], beside: float) -> dict[st
         same = [name for name, other in found.items()
                 if other and other.ratio and other.frequency == lobe.frequency]
         return min(same, key=lambda name: abs(marks[name] - lobe.frequency))
-    return {name: dataclasses.replace(lobe, stated_at=nearest(lobe))
-            if lobe and lobe.ratio and nearest(lobe) != name else lobe
+
+    def too_near(name: str) -> str:
+        return next((one for one in marks if one != name
+                     and abs(marks[one] - marks[name]) < resolution), "")
+    return {name: lobe and dataclasses.replace(
+        lobe, unresolved=too_near(name),
+        stated_at=nearest(lobe) if lobe.ratio and nearest(lobe) != name else "")
             for name, lobe in found.items()}
 
 
@@ -116,4 +130,4 @@ def judged(found: list[dict[str, Lobe | None]],
 
 
 def _may_be_peak(lobe: Lobe) -> bool:
-    return lobe.high and not lobe.stated_at
+    return lobe.high and not lobe.stated_at and not lobe.unresolved
