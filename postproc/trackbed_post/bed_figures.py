@@ -95,6 +95,9 @@ def grading(runs):
             panel.fill_between(opening * 1e3, least, most, color="0.8", zorder=0,
                                label=f"limits of {runs[0].deck['bed']['grading']}")
         panel.set_xticks(opening * 1e3, [f"{mm:g}" for mm in opening * 1e3])
+    prescribed = "" if len(runs[0].grading) else \
+        "\nno curve is prescribed for stones of another run or of several layers"
+    panel.set_title(f"Sieve curves of the stones by mass{prescribed}", fontsize=10)
     panel.set_xlabel("sieve (mm)")
     panel.set_ylabel("passing (% of mass)")
     panel.grid(alpha=0.3)
@@ -144,6 +147,9 @@ def section(runs):
             panel.plot(places, np.maximum(asked, 0), "k--", lw=1,
                        label="outline given in the input (bed.height, profile of a stage)")
         panel.set_xlabel(("x along", "y across")[axis] + " the track (m)")
+    where = "across the track; mean, lowest and highest along it" if axis == 1 else \
+        "along the track"
+    panel.set_title(f"Top of the stones {where}", fontsize=10)
     panel.set_ylabel("top of the stones (m)")
     panel.grid(alpha=0.3)
     panel.legend(fontsize=8)

@@ -344,6 +344,7 @@ def test_grading_is_by_mass(runs):
     built, asked = axes.lines
     assert built.get_ydata() == pytest.approx([25, 100])
     assert asked.get_ydata() == pytest.approx([0, 20, 100])
+    assert axes.get_title() == "Sieve curves of the stones by mass"
     bed_on_ground.plt.close("all")
 
 
@@ -400,6 +401,8 @@ def test_sieves_without_prescription_have_plain_numbers(runs):
     axes = bed_on_ground.bed_figures.grading([dataclasses.replace(
         runs[0], grading=np.empty((0, 4)))]).axes[0]
     axes.figure.canvas.draw()
+    assert axes.get_title().endswith("\nno curve is prescribed for stones of another run or of "
+                                     "several layers")
     assert {"30", "40"} <= {tick.get_text() for tick in axes.get_xticklabels()}
     bed_on_ground.plt.close("all")
 
@@ -409,11 +412,13 @@ def test_section_is_across_the_track(runs):
     mean = axes.lines[0]
     assert mean.get_xdata() == pytest.approx([-1, 0])  # no stones at y = 1
     assert mean.get_ydata() == pytest.approx([0.2, 0.5])
+    assert axes.get_title().startswith("Top of the stones across the track; mean, lowest and")
     assert "across" in axes.get_xlabel() and mean.get_label().endswith("mean along the track")
     plane = np.array(runs[0].surface["load"])[:2]
     plane = dataclasses.replace(runs[0], surface={"load": plane})
     axes = bed_on_ground.bed_figures.section([plane]).axes[0]
     assert axes.lines[0].get_label() == "wedge, end of load" and "along" in axes.get_xlabel()
+    assert axes.get_title() == "Top of the stones along the track"
     bed_on_ground.plt.close("all")
 
 
