@@ -53,8 +53,9 @@ def rows_of(runs: collections.abc.Sequence[read.Results]) -> list[Row]:
         loaded(run).any() for run in runs) else []
     if all(len(run.sleepers_x) and "displacement" in run.sleeper for run in runs):
         found.append(Row(f"displacement since\nplaced ({UP})", settled))
-    for name, label, factor in (("seat_force", "seat load, with the\ndeck's seat_force\n(kN, down)", -1e-3),
-                                ("reaction", "reaction of\nstones (kN, up)", 1e-3)):
+    for name, label, factor in (
+            ("seat_force", "seat load, with the\ndeck's seat_force\n(kN, down)", -1e-3),
+            ("reaction", "reaction of\nstones (kN, up)", 1e-3)):
         if all(name in run.sleeper and len(run.sleepers_x) for run in runs):
             found.append(Row(label, functools.partial(load, name, factor)))
     return found

@@ -3,6 +3,8 @@ helps, with code 4 if the disk cannot take the file."""
 import collections.abc
 import datetime
 import errno
+import functools
+import importlib.metadata
 import io
 import os
 import pathlib
@@ -62,6 +64,43 @@ def whole(path: pathlib.Path | str, content: bytes) -> None:
         raise ending from None
 
 
+def commit_of(root: pathlib.Path) -> str:
+    """First eight digits of the commit of a clone, from its files, as git may be missing; empty if
+    there is none, as in a package that pip has installed."""
+    try:
+        head = (root / ".git/HEAD").read_text(encoding="utf-8").strip()
+        name = head.removeprefix("ref: ")
+        if name != head:
+            place = root / ".git" / name
+            packed = root / ".git/packed-refs"
+            head = place.read_text(encoding="utf-8") if place.is_file() else next(
+                line for line in packed.read_text(encoding="utf-8").splitlines()
+                if line.endswith(f" {name}"))
+    except (OSError, UnicodeError, StopIteration):
+        return ""
+    return head[:8]
+
+
+@functools.cache
+def drawn_by() -> str:
+    """By which commit of these modules a picture is drawn, without what is not committed, or by
+    which version of the package."""
+    folder = pathlib.Path(__file__).resolve().parent
+    if folder.parent.name == "postproc" and (commit := commit_of(folder.parents[1])):
+        return f"commit {commit}"
+    try:
+        return f"trackbed_post {importlib.metadata.version('trackbed_post')}"
+    except importlib.metadata.PackageNotFoundError:
+        return ""
+
+
+def drawn_words(programs: str = "") -> str:
+    """When a picture is drawn, and by what, unless that is in `programs`, which computed it."""
+    by = drawn_by()
+    return f"drawn on {datetime.date.today()}" + (
+        f" by {by}" if by and by.split()[-1] not in programs else "")
+
+
 def origin_of(results: collections.abc.Sequence[pathlib.Path | str]) -> str:
     """Titles of the decks, program and commit, runs, and today's date, for the lower edge of
     pictures."""
@@ -72,7 +111,8 @@ def origin_of(results: collections.abc.Sequence[pathlib.Path | str]) -> str:
     names = " and ".join(folder.name for folder in folders) if len(folders) <= MANY else \
         f"{len(folders)} runs in {folders[0].parent.name}"
     modelled = "; ".join(titles) + "\n" if 0 < len(titles) <= MANY else ""
-    return f"{modelled}{'; '.join(programs)}: {names}, drawn on {datetime.date.today()}"
+    computed = "; ".join(programs)
+    return f"{modelled}{computed}: {names}, {drawn_words(computed)}"
 
 
 def origin_or_name(path: pathlib.Path | str) -> str:
@@ -82,7 +122,7 @@ def origin_or_name(path: pathlib.Path | str) -> str:
     try:
         return origin_of([path.resolve().parent.parent if path.suffix == ".hdf" else path])
     except read.Unreadable:
-        return f"{path.name}, drawn on {datetime.date.today()}"
+        return f"{path.name}, {drawn_words()}"
 
 
 def origin_height(figure: Figure) -> float:

@@ -59,7 +59,7 @@ def test_sleepers_that_move_downwards_or_upwards_are_stated(by, words):
         "Sleepers after this passage, relative to the ground: -0.100 to -0.100 mm (with wedge) and "
         f"{words} (without wedge), up positive.")
     small = transition_caption.settlement(trains[:1])
-    assert small == ("After this passage no judged sleeper has settled or risen by more than 0.1 mm.")
+    assert small == "After this passage no judged sleeper has settled or risen by more than 0.1 mm."
 
 
 def test_the_title_of_settlements_is_not_about_how_far_sleepers_move_under_the_train():

@@ -11,8 +11,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from trackbed_post import (bed_figures, bed_histories, bed_on_ground, bed_warnings,
-                           contact_forces, figure_csv, ground_blocks, ground_transition, measures, read,
-                           sleeper_histories, support, support_figure, write)
+                           contact_forces, figure_csv, ground_blocks, ground_transition, measures,
+                           read, sleeper_histories, support, support_figure, write)
 
 
 def test_figures_of_two_runs_are_drawn(runs, tmp_path):
@@ -337,6 +337,22 @@ def test_sensors_show_the_vertical_motion_in_the_passage(runs):
     bed_on_ground.plt.close("all")
 
 
+@pytest.mark.parametrize("files, commit", [
+    ({"HEAD": "0123456789abcdef\n"}, "01234567"), ({}, ""), ({"HEAD": "ref: refs/heads/a\n"}, ""),
+    ({"HEAD": "ref: refs/heads/a\n", "refs/heads/a": "89abcdef01234567\n"}, "89abcdef"),
+    ({"HEAD": "ref: refs/heads/a\n", "packed-refs":
+      "# pack-refs\n00aabbccddee refs/heads/b\n11aabbccddee refs/heads/a\n"}, "11aabbcc")])
+def test_pictures_state_the_commit_that_drew_them(files, commit, tmp_path, monkeypatch):
+    for name, text in files.items():
+        (tmp_path / ".git" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / ".git" / name).write_text(text, encoding="utf-8")
+    assert write.commit_of(tmp_path) == commit
+    monkeypatch.setattr(write, "drawn_by", lambda: f"commit {commit}" if commit else "")
+    words = write.drawn_words("trackbed 0.1.0, commit abc")
+    assert words.endswith(f" by commit {commit}") == bool(commit)
+    assert " by " not in write.drawn_words(f"trackbed 0.1.0, commit {commit}")
+
+
 def test_grading_is_by_mass(runs):
     found = measures.passing(made.SIEVED, [0.02, 0.03, 0.035, 0.05])
     assert found == pytest.approx([0, 25, 25, 100])
@@ -494,7 +510,8 @@ def test_pictures_name_program_run_and_day(runs, tmp_path):
     assert [text.get_text() for text in figure.texts][-1] == "trackbed 0: wedge"
     made.write(tmp_path / "one")
     today = datetime.date.today().isoformat()
-    assert write.origin_of([tmp_path / "one"]).endswith(f"one, drawn on {today}")
+    assert write.origin_of([tmp_path / "one"]).partition(" by ")[0].endswith(
+        f"one, drawn on {today}")
 
 
 def rows_of_csv(path):
