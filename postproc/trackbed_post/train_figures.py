@@ -10,7 +10,7 @@ from trackbed_post import (axles, ground_blocks, measures, panels, passage_warni
                            shades)
 
 SHOWN_WHEELS = len(panels.MARKERS)  # the first wheels are shown
-ROOM = 0.25   # of the judged range of displacements, above and below it
+MARGIN = 0.25   # of the judged range of displacements, above and below it
 
 
 def train_rows(wheel_x, name):
@@ -197,16 +197,16 @@ def show_judged(panel, x, ends, values):
     with np.errstate(invalid="ignore"):
         judged = values[:, ~ends][np.isfinite(values[:, ~ends])]
     low, high = min(judged.min(initial=0), 0), max(judged.max(initial=0), 0)
-    room = ROOM * (high - low)
+    margin = MARGIN * (high - low)
     for side in (x < x.mean(), x >= x.mean()):
         there = values[:, ends & side]
         there = there[np.isfinite(there)]
         place = x[side].min() if side[0] else x[side].max()
         for beyond, value, arrow, at in (
-                (there.max(initial=0) - high > room, there.max(initial=0), "↑", 0.98),
-                (low - there.min(initial=0) > room, there.min(initial=0), "↓", 0.02)):
-            if beyond and room:
-                panel.set_ylim(low - room, high + room)
+                (there.max(initial=0) - high > margin, there.max(initial=0), "↑", 0.98),
+                (low - there.min(initial=0) > margin, there.min(initial=0), "↓", 0.02)):
+            if beyond and margin:
+                panel.set_ylim(low - margin, high + margin)
                 panel.annotate(  # beside the bed, where no line is
                     f"{arrow} up to\n{value:+.2g} mm,\nnot judged", (place, at),
                     (-6 if side[0] else 6, 0), xycoords=panel.get_xaxis_transform(),
