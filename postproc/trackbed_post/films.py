@@ -38,6 +38,8 @@ def write_film(given):
 
 
 def of_transition(given):
+    folders = [read.folder_of(one) for one in given.results]
+    kinds.require_stones(folders, [read.origin(one)[1] for one in folders], "transition")
     film_files.require_name(given.output)
     pictures = transition.film_of(given.results, write.origin_of(given.results))
     content = film_files.encoded(given.output, pictures)

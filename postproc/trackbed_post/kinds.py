@@ -43,6 +43,16 @@ def require_comparable(decks: collections.abc.Iterable[read.Deck]) -> None:
         raise read.Unreadable("a track without stones and a bed of stones cannot be compared")
 
 
+def require_stones(runs: collections.abc.Sequence[pathlib.Path],
+                   decks: collections.abc.Sequence[read.Deck], kind: str) -> None:
+    """A track without stones has sleepers too, those nearest to its points, but no bed."""
+    for run, deck in zip(runs, decks):
+        if kind and kind not in BESIDE and has_no_stones(deck):
+            raise read.Unreadable(
+                f"{run.resolve().name}: figures of kind {kind} need a bed of stones; this run "
+                f'(model = "{deck["model"]}") has figures of kind {", ".join(of_deck(deck))}')
+
+
 @dataclasses.dataclass(frozen=True)
 class Part:
     """Figures of one kind of one run or several."""
@@ -78,6 +88,7 @@ def draw_figures(results: collections.abc.Sequence[pathlib.Path | str], path: pa
     runs = [read.folder_of(one) for one in results]
     decks = [read.origin(one)[1] for one in runs]
     require_comparable(decks)
+    require_stones(runs, decks, kind)
     kinds = [kind] if kind else of_deck(decks[0])
     folders: list[write.Folder] = []
     problem = None
