@@ -63,6 +63,14 @@ def have_passed(x: np.ndarray, place: float) -> bool:
     return bool((np.where(np.isfinite(x), x, -np.inf) >= place).any(axis=0).all())
 
 
+def reached(x: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Over which places at least one axle, [time, axle], has run."""
+    low, high = (end(np.where(np.isfinite(x), x, none), axis=0, initial=none)
+                 for end, none in ((np.min, np.inf), (np.max, -np.inf)))
+    at = np.asarray(places)[:, None]
+    return ((low <= at) & (high >= at)).any(axis=1)
+
+
 def time_off(there: np.ndarray, force: np.ndarray) -> float:
     """Part of the rows with a wheel at a place of interest (`there`, [time, wheel]) in which one of
     these wheels has no force."""

@@ -6,6 +6,7 @@ Roles, and the stretch of plain track that follows from them, are explained in d
 """
 import collections.abc
 import dataclasses
+import typing
 
 import numpy as np
 
@@ -20,6 +21,12 @@ TINY = 1e-9       # m, tolerance of coordinates
 ENDS = 3          # sleepers at each end of the bed that are not judged if springs are beside them
 WALLS = 1         # the same if there are none: the bed ends at walls
 BEYOND = 2        # spacings behind the change, where plain track begins
+
+
+class HasDeck(typing.Protocol):
+    """A run, or anything else with a deck."""
+    @property
+    def deck(self) -> read.Deck: ...
 
 
 @dataclasses.dataclass(frozen=True)
@@ -78,14 +85,14 @@ def _structures(stiff: list[Block], depth: float) -> set[str]:
     return found
 
 
-def depth(results: read.Results) -> float:
+def depth(results: HasDeck) -> float:
     """Depth of the ground, m: of its layers; of a deck without layers that of the lowest block."""
     ground = results.deck.get("ground", {})
     layers = sum(float(layer["thickness"]) for layer in ground.get("layer", []))
     return layers or -min((_block(block).bottom for block in ground.get("block", [])), default=0.0)
 
 
-def every(results: read.Results) -> list[Block]:
+def every(results: HasDeck) -> list[Block]:
     """All blocks of a run's ground in the order of the deck. Those that are present have no other
     ones below them; those that are not have the role that they would have."""
     found = [_block(block) for block in results.deck.get("ground", {}).get("block", [])]
@@ -99,7 +106,7 @@ def every(results: read.Results) -> list[Block]:
         for block in found]
 
 
-def _replaced(block: Block, results: read.Results) -> float:
+def _replaced(block: Block, results: HasDeck) -> float:
     """Mean Young's modulus, Pa, of the layers from top to bottom of a block, by their thickness; 0
     if they are not known."""
     top, thick, product = 0.0, 0.0, 0.0
@@ -111,12 +118,12 @@ def _replaced(block: Block, results: read.Results) -> float:
     return product / thick if thick else 0.0
 
 
-def present(results: read.Results) -> list[Block]:
+def present(results: HasDeck) -> list[Block]:
     """The blocks of a run's ground that are present."""
     return [block for block in every(results) if block.present]
 
 
-def structures(results: read.Results) -> list[tuple[float, float]]:
+def structures(results: HasDeck) -> list[tuple[float, float]]:
     """Smallest and largest x, m, of each structure at the surface, along x; blocks that touch are
     one."""
     found: list[tuple[float, float]] = []
@@ -138,7 +145,7 @@ class Stretch:
     high: float
 
 
-def stretches(results: read.Results) -> list[Stretch]:
+def stretches(results: HasDeck) -> list[Stretch]:
     """Those of each structure, and one of all measures together."""
     blocks = present(results)
     found = []
@@ -190,7 +197,7 @@ def wedge_length(results: read.Results) -> float:
                               if not block.structure]))
 
 
-def measures_of(results: read.Results) -> list[Block]:
+def measures_of(results: HasDeck) -> list[Block]:
     """The blocks that are present and no structure."""
     return [block for block in present(results) if not block.structure]
 

@@ -1,12 +1,14 @@
 """What a reader of the figures of a train must know: wheels that were off the rail, and rail pads
 in tension, which no fastening carries. Each is stated once, with its worst place. Runs with one of
-them have no verdict: their forces are those of impacts, or of fastenings that do not exist."""
+them have no verdict: their forces are those of impacts, or of fastenings that do not exist. Of a
+track without stones also which part of it the train has not passed."""
 import collections.abc
+import functools
 import typing
 
 import numpy as np
 
-from trackbed_post import axles, bed_warnings, ground_blocks, read
+from trackbed_post import axles, bed_warnings, ground_blocks, read, track_stretch
 from trackbed_post.bed_warnings import BedWarning
 
 # A rail on equal springs lifts by exp(-pi) = 4 % of its largest deflection ahead of a wheel, and
@@ -39,7 +41,8 @@ def of_track(every: read.Quantities, deck: read.Deck,
     """Of a track without stones: datasets, deck and summary.json (empty before the run's end)."""
     if "history/wheel/force" not in every or not every["history/time"].values.size:
         return []
-    return [*_of_wheels_on_track(every, deck, summary), *_of_pads_of_track(every, deck)]
+    return [*track_stretch.warnings_of(every, deck),
+            *_of_wheels_on_track(every, deck, summary), *_of_pads_of_track(every, deck)]
 
 
 def of_folder(folder: typing.Any) -> list[str]:
@@ -140,9 +143,11 @@ def _of_pads_on_bed(run: read.Results) -> list[str]:
     known = np.isfinite(load).all(axis=1)
     if not known.any() or load.shape[1] != len(x):
         return []
+    if "x" in run.wheel:
+        inner = inner & axles.reached(run.wheel["x"].values[rows], x)
     load = load[known][:, inner]
     return _of_pads(x[inner], load.min(axis=0), load.max(axis=0),
-                    "check irregularity and speed; if these are as meant, "
+                    lambda _: "check irregularity and speed; if these are as meant, "
                     f"{bed_warnings.remedies(run)}")
 
 
@@ -152,19 +157,30 @@ def _of_pads_of_track(every: read.Quantities, deck: read.Deck) -> list[str]:
     if deck.get("pad", {}).get("uplift") or not {"envelope/x", *names} <= every.keys():
         return []
     x = every["envelope/x"].values.ravel()
-    track = deck["track"]
-    run_in = 0 if track.get("support") == "none" else track.get("run_in", 0)
-    there = (x >= run_in) & (x <= track["length"] - run_in)
-    if not there.any():
-        return []
+    there = track_stretch.between_run_ins(deck).holds(x) & axles.reached(
+        track_stretch.history(every, "wheel/x"), x)
     least, most = (every[name].values.ravel()[there] for name in names)
+    return _of_pads(x[there], least, most, functools.partial(_remedy, deck))
+
+
+def _remedy(deck: read.Deck, x: float) -> str:
+    """Against tension that is largest at x, m."""
+    ground = track_stretch.ground_of(deck)
+    if ground and ground.at_end(x):
+        return ("the support changes there from the springs beside the ground to the ground in a "
+                "step: give these springs, by bed of a [[track.zone]], a stiffness with which the "
+                "rail goes down as far as over the ground")
     remedy = "set pad.uplift = true with the clamping force as pad.preload" \
         if deck.get("model") == "track" else "look for sleepers without support there"
-    return _of_pads(x[there], least, most, f"{remedy}, or check irregularity and speed")
+    return f"{remedy}, or check irregularity and speed"
 
 
-def _of_pads(x: np.ndarray, least: np.ndarray, most: np.ndarray, remedy: str) -> list[str]:
-    """Of the least and largest load of each seat, N, down."""
+def _of_pads(x: np.ndarray, least: np.ndarray, most: np.ndarray,
+             remedy: collections.abc.Callable[[float], str]) -> list[str]:
+    """Of the least and largest load of each seat over which a wheel has run, N, down; `remedy`: of
+    the place, m, of the largest tension."""
+    if not len(x):
+        return []
     usual = float(np.median(most))
     pulls = least < -PULLS * usual
     if usual <= 0 or not pulls.any():
@@ -174,4 +190,4 @@ def _of_pads(x: np.ndarray, least: np.ndarray, most: np.ndarray, remedy: str) ->
             f"{x[k]:.2f} m by {-1e-3 * least[k]:.1f} kN, {-least[k] / usual:.1%} of the load of a "
             f"seat below a wheel, {1e-3 * usual:.1f} kN (limit {PULLS:.0%}): pads of the model "
             "transmit tension, fastenings only up to their clamping force, so that rail and "
-            f"sleepers would move apart; {remedy}"]
+            f"sleepers would move apart; {remedy(float(x[k]))}"]
