@@ -9,7 +9,7 @@ import pathlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import contact_forces, curves, panels, read, track_figures, write
+from trackbed_post import contact_forces, curves, panels, read, track_along, track_figures, write
 
 CONTACT_FORCE = "contact_force"  # at the instant of contact_forces, or at the end of a stage
 BINS = 40
@@ -198,7 +198,7 @@ def draw_into(results: collections.abc.Sequence[pathlib.Path], folder: write.Fol
     """Picture, CSV and table of a dataset of runs, given by their folders."""
     folders = [read.folder_of(path) for path in results]
     samples = [sample_of(path, quantity, name, choices)
-               for path, name in zip(folders, track_figures.names_of(folders))]
+               for path, name in zip(folders, track_along.names_of(folders))]
     if len({one.unit for one in samples}) > 1:
         raise read.Unreadable("the runs have different units: "
                               + ", ".join(f"{one.name} {one.unit}" for one in samples))

@@ -17,7 +17,7 @@ import subprocess
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (curves, overlays, panels, program, read, track_figures,
+from trackbed_post import (curves, overlays, panels, program, read, track_along, track_figures,
                            train_figures, transition, write)
 from trackbed_post.kinds import of_deck
 
@@ -305,7 +305,7 @@ def draw(done, quantity, place, stage=""):
         line = panel.plot(x, y.mean(axis=0), style, label=words)[0]
         panel.fill_between(x, y.min(axis=0), y.max(axis=0), color=line.get_color(), alpha=0.2, lw=0)
     if quantity.startswith("envelope/"):
-        track_figures.shade_run_ins(panel, [read.origin(case.folder)[1] for case in done])
+        track_along.shade_run_ins(panel, [read.origin(case.folder)[1] for case in done])
     clock = f"time since stage {stage} began, s" if stage else "time, s"
     panel.set(xlabel=clock if every[0].x_unit == "s" else f"x, {every[0].x_unit}",
               ylabel=f"{quantity}, {unit}",

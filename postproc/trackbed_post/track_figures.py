@@ -13,8 +13,9 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (figure_csv, panels, passage_warnings, read, receptance_figure, shades,
-                           signals, third_octaves, track_measures, train_strip)
+from trackbed_post import (panels, passage_warnings, read, receptance_figure, signals,
+                           third_octaves, track_along, track_measures, track_stretch, train_strip)
+from trackbed_post.track_stretch import history, run_in_of, two_rails
 
 FILTER = signals.LowPass()
 SHOWN_AXLES = 4  # axles of the first rolling vehicle
@@ -22,21 +23,9 @@ SHOWN_PLACES = 3  # sleepers below the train
 WIDEST = 3.5  # points, line of the first axle
 
 
-def history(run, name):
-    """[time, place]."""
-    values = run[f"history/{name}"].values
-    return values.reshape(len(values), -1)
-
-
 def at_rest_before(run):
     """A run under forces on the rail begins at rest, one with wheels in static equilibrium."""
     return "history/wheel/force" not in run
-
-
-def two_rails(run):
-    """Whether each place of the envelope, or without envelope of the rail, is listed twice."""
-    x = run["envelope/x" if "envelope/x" in run else "rail/x"].values.ravel()
-    return len(x) > 1 and len(x) % 2 == 0 and np.array_equal(x[::2], x[1::2])
 
 
 def places(run, name):
@@ -74,24 +63,6 @@ def between_run_ins(run, length, run_in):
     """Whether each wheel is between the run-ins, [time, wheel]."""
     x = history(run, "wheel/x")
     return (x >= run_in) & (x <= length - run_in)
-
-
-def run_in_of(deck):
-    """Length of the run-in, m; 0 for a bridge."""
-    track = deck["track"]
-    return 0 if track.get("support") == "none" else track.get("run_in", 0)
-
-
-def shade_run_ins(panel, decks):
-    """Shades the run-ins of these tracks over x, which numbers leave out; one entry of the legend.
-    """
-    spans = {(run_in_of(deck), deck["track"]["length"]) for deck in decks
-             if deck.get("model") in ("track", "track_on_ground")}
-    label = "run-in, not counted"
-    for run_in, length in sorted(span for span in spans if span[0] > 0):
-        for low, high in ((0, run_in), (length - run_in, length)):
-            panel.axvspan(low, high, lw=0, zorder=0, label=label, **shades.RUN_IN)
-            label = panels.HIDDEN
 
 
 def rolling(run):
@@ -135,24 +106,51 @@ def wheel_forces(run, length, run_in, extremes):
             f"scatter of wheel forces{where}": (force.std() / 1e3, "kN")}
 
 
-def wheel_numbers(run, length, run_in, extremes):
+def largest_force(run, there):
+    """(N, x in m) of the largest wheel force where wheels are `there`, [time, wheel], in the rows
+    of the histories."""
+    x, force = history(run, "wheel/x")[there], history(run, "wheel/force")[there]
+    most = int(np.argmax(force))
+    return float(force[most]), float(x[most])
+
+
+def forces_over(run, over):
+    """Results of wheels in a track_stretch.Stretch; empty if there were none."""
+    there = over.holds(history(run, "wheel/x"))
+    if not there.any():
+        return {}
+    force = history(run, "wheel/force")[there]
+    most, x = largest_force(run, there)
+    return {f"largest wheel force{over.words}": (most / 1e3, "kN"),
+            f"x of the largest wheel force{over.words}": (x, "m"),
+            f"least wheel force{over.words}": (force.min() / 1e3, "kN"),
+            f"scatter of wheel forces{over.words}": (force.std() / 1e3, "kN")}
+
+
+def wheel_numbers(run, length, run_in, extremes, over):
     if not on_track(run, length).any():
         raise read.Unreadable("no wheel was on the track while histories were written")
-    found = wheel_forces(run, length, run_in, extremes)
-    wheels, where = rolling(run), " between the run-ins" if run_in > 0 else ""
+    between = wheel_forces(run, length, run_in, extremes)
+    found = between
+    if over:
+        found = forces_over(run, over) | {
+            name: value for name, value in between.items() if "scatter" not in name}
+    wheels = rolling(run)
     if "history/wheel/height" in run and wheels:
+        where = over or track_stretch.Stretch(run_in, length - run_in, (
+            " between the run-ins" if run_in > 0 else ""))
         found |= track_measures.levels_of_rail(
             history(run, "wheel/x")[:, wheels[0]], history(run, "wheel/height")[:, wheels[0]],
-            run_in, length - run_in, where)
+            where.begin, where.end, where.words)
     return found
 
 
-def numbers(run, length, extremes=None, run_in=0):
+def numbers(run, length, extremes=None, run_in=0, over=None):
     """Name -> (value, unit). Wheels count only while they are on the track, their forces between
-    its run-ins. `extremes`: those of the summary."""
+    its run-ins and `over` a track_stretch.Stretch. `extremes`: those of the summary."""
     extremes, found = extremes or {}, {}
     if "history/wheel/force" in run:
-        found = wheel_numbers(run, length, run_in, extremes)
+        found = wheel_numbers(run, length, run_in, extremes, over)
     time = run["history/time"].values
     if "history/rail/displacement" in run:
         lowest = extremes.get("rail_lowest_m", history(run, "rail/displacement").min(axis=0))
@@ -173,7 +171,7 @@ def numbers(run, length, extremes=None, run_in=0):
     return found
 
 
-def draw_wheels(run, length, panel):
+def draw_wheels(run, length, panel, deck):
     """The first axles are drawn wider, as others may have the same forces at the same places."""
     x, force = history(run, "wheel/x"), history(run, "wheel/force")
     shown = np.where(on_track(run, length), force / 1e3, np.nan)
@@ -183,7 +181,7 @@ def draw_wheels(run, length, panel):
     for number, (i, width) in enumerate(zip(drawn, widths)):
         panel.plot(x[:, i], shown[:, i], lw=width, label=panels.axle(i, twice),
                    **panels.curve(number, np.isfinite(shown[:, i]).sum()))
-    panel.set(xlabel="x of the wheel, m", ylabel="wheel force, kN")
+    panel.set(xlabel=track_along.x_of("x of the wheel", deck), ylabel="wheel force, kN")
 
 
 def receptances(run):
@@ -299,15 +297,19 @@ def draw(run, length, deck):
     places = list(grid[:, 0])
     strip = places.pop(1) if above else None
     for draw_one, panel in zip(drawn, places):
-        draw_one(run, length, panel)
-        if draw_one is draw_wheels:
-            shade_run_ins(panel, [deck])
+        if draw_one is not draw_wheels:
+            draw_one(run, length, panel)
+        else:
+            draw_wheels(run, length, panel, deck)
+            track_along.shade_run_ins(panel, [deck])
+            track_along.mark_ground(panel, deck, named=True)
         panel.grid(alpha=0.3)
         if panel.lines:
             panels.legend_above(panel, size=7)
     if above:
         draw_train_above(above, strip, places[1:])
-    figure.suptitle(panels.wrapped(title_of(deck), 8, 11), fontsize=11)
+    title = "; ".join(filter(None, (title_of(deck), track_stretch.state(run, deck))))
+    figure.suptitle(panels.wrapped(title, 8, 11), fontsize=11)
     return figure
 
 
@@ -319,58 +321,16 @@ def title_of(deck):
     return f"{words}: {names}, {3.6 * train.get('speed', 0):.0f} km/h" if names else words
 
 
-def sides(run, name, twice):
-    """Label -> values of the places of each rail, left before right."""
-    values = run[name].values.ravel()
-    return {", left": values[::2], ", right": values[1::2]} if twice else {"": values}
-
-
-def draw_envelope(run, deck):
-    """Extremes of all steps along the track; None for results without them."""
-    if "envelope/x" not in run:
-        return None
-    twice = two_rails(run)
-    x = run["envelope/x"].values.ravel()[::1 + twice]
-    seats = "envelope/sleeper/seat_force_max" in run
-    figure, grid = plt.subplots(1 + seats, 1, figsize=(8, 3 + 2.5 * seats), sharex=True,
-                                  squeeze=False, layout="constrained")
-    number = 0
-    for what, style in (("rail", "-"), ("sleeper", "--")):
-        if f"envelope/{what}/displacement_min" not in run:
-            continue
-        most = sides(run, f"envelope/{what}/displacement_max", twice)
-        for side, least in sides(run, f"envelope/{what}/displacement_min", twice).items():
-            look = panels.curve(number, len(x))
-            below, = grid[0, 0].plot(x, 1e3 * least, style, lw=0.9, label=f"{what}{side}", **look)
-            above, = grid[0, 0].plot(x, 1e3 * most[side], style, lw=0.9, **look)
-            for one, end in ((below, "least"), (above, "largest")):
-                figure_csv.name(one, f"{what}{side}, {end}")
-            number += 1
-    grid[0, 0].set(ylabel=f"least and largest\ndisplacement, {panels.UP}")
-    if seats:
-        for number, (side, most) in enumerate(
-                sides(run, "envelope/sleeper/seat_force_max", twice).items()):
-            grid[1, 0].plot(x, most / 1e3, lw=0.9, label=f"largest{side}",
-                            **panels.curve(number, len(x)))
-        grid[1, 0].set(ylabel="seat load, kN")
-    grid[-1, 0].set(xlabel="x, m")
-    for panel in grid[:, 0]:
-        shade_run_ins(panel, [deck])
-        panel.grid(alpha=0.3)
-        panels.legend_above(panel)
-    return figure
-
-
-def draw_levels(run, length, run_in):
-    """Third octaves of the wheel forces between the run-ins and of the sleepers; None without
-    wheels."""
+def draw_levels(run, over):
+    """Third octaves of the wheel forces in a track_stretch.Stretch and of the sleepers; None
+    without wheels."""
     if "history/wheel/force" not in run:
         return None
-    time, between = run["history/time"].values, between_run_ins(run, length, run_in)
+    time, between = run["history/time"].values, over.holds(history(run, "wheel/x"))
     wheels = rolling(run)
     force = history(run, "wheel/force")
-    lines = [third_octaves.of("wheel force", "N", f"root mean square over {len(wheels)} wheels"
-                              + (" between the run-ins" if run_in > 0 else ""),
+    lines = [third_octaves.of("wheel force", "N", (
+        f"root mean square over {len(wheels)} wheels{over.words}"),
                               [(time[on], values[on]) for on, values in
                                zip(between.T[wheels], force.T[wheels])])]
     sleeper = {name: read.Quantity(history(run, f"sleeper/{name}"), unit, "")
@@ -389,105 +349,72 @@ def deck_of(run):
 
 
 def opened(folder):
-    """Datasets of a run, its deck, and the numbers of its table."""
+    """Datasets of a run without points over which no axle has run, its deck, and the numbers of its
+    table."""
     run, deck = loaded(folder), deck_of(folder)
     if deck.get("passage", {}).get("loaded_by") == "seats":
         run = without_rail(run)
-    return run, deck, numbers_of(folder, run, deck)
+    return track_stretch.without_unreached(run, {})[0], deck, numbers_of(folder, run, deck)
 
 
 def numbers_of(folder, run, deck):
     """As `numbers`, and the part of their time on the track that wheels are off the rail: the one
     that the warning states."""
     extremes = extremes_of(folder)
-    found = numbers(run, deck["track"]["length"], extremes, run_in_of(deck))
+    reached, of_points = track_stretch.without_unreached(run, extremes)
+    over = track_stretch.counted(deck) if track_stretch.ground_of(deck) else None
+    found = numbers(reached, deck["track"]["length"], of_points, run_in_of(deck), over)
     if off := passage_warnings.share_of_wheels(run, deck, {"track": extremes}):
         time = passage_warnings.counted(deck)
         found[f"wheels off the rail, part of the {time}"] = (100 * off, "%")
     return found
 
 
-def names_of(folders):
-    """Different names for result folders: the last one, or if they are equal the last two."""
-    names = [folder.resolve().name for folder in folders]
-    if len(set(names)) < len(names):
-        names = ["/".join(folder.resolve().parts[-2:]) for folder in folders]
-    return names
-
-
-def table_beside(names, columns):
-    """One line per number that any run has, one column per run; of two runs also the change."""
-    rows = list(dict.fromkeys((name, one[name][1]) for one in columns for name in one))
-    width = max(12, *(len(name) + 2 for name in names))
-    first = max((len(name) for name, _ in rows), default=0)
-    lines = [f"{'':{first}} {'unit':6}" + "".join(f"{name:>{width}}" for name in names)
-             + (f"{'change, %':>11}" if len(names) == 2 else "")]
-    for name, unit in rows:
-        values = [one.get(name, (np.nan, unit))[0] for one in columns]
-        line = f"{name:{first}} {unit:6}" + "".join(
-            f"{value:{width}.4g}" if np.isfinite(value) else f"{'-':>{width}}" for value in values)
-        if len(values) == 2 and np.isfinite(values).all() and values[0]:
-            line += f"{100 * (values[1] / values[0] - 1):11.3g}"
-        lines.append(line)
-    return "\n".join(lines) + "\n"
-
-
-def envelopes(run):
-    """(label, x, values, axis) of the envelopes that runs are compared by: the lowest rail and the
-    largest seat load, of two rails those of the left one."""
-    if "envelope/x" not in run:
-        return
-    twice = two_rails(run)
-    x = run["envelope/x"].values.ravel()[::1 + twice]
-    for name, factor, axis in (("envelope/rail/displacement_min", 1e3, f"lowest rail, {panels.UP}"),
-                               ("envelope/sleeper/seat_force_max", 1e-3,
-                                "largest seat load, kN")):
-        if name in run:
-            side = " (left rail)" if twice else ""
-            yield x, factor * run[name].values.ravel()[::1 + twice], axis + side
-
-
-def draw_beside(names, runs, decks):
-    """Envelopes of several runs in one picture; None if they have none in common."""
-    found = [{axis: (x, values) for x, values, axis in envelopes(run)} for run in runs]
-    axes = [axis for axis in found[0] if all(axis in one for one in found)]
-    if not axes:
-        return None
-    figure, grid = plt.subplots(len(axes), 1, figsize=(8, 1 + 2.5 * len(axes)), sharex=True,
-                                  squeeze=False, layout="constrained")
-    for axis, panel in zip(axes, grid[:, 0]):
-        for number, (name, one) in enumerate(zip(names, found)):
-            panel.plot(*one[axis], ("-", "--", "-.", ":")[number % 4], lw=1, label=name)
-        panel.set(ylabel=axis)
-        panel.grid(alpha=0.3)
-        shade_run_ins(panel, decks)
-    panels.legend_above(grid[0, 0])
-    grid[-1, 0].set(xlabel="x, m")
-    return figure
-
-
-def warnings_of(folder, name):
-    return "".join(f"warning: {name}: {one}\n" for one in passage_warnings.of_folder(folder))
+def below(results, names, notes):
+    """What follows a table: notes, and the warnings of each run."""
+    return "".join(f"{one}\n" for one in notes) + "".join(
+        f"warning: {name}: {one}\n" for folder, name in zip(results, names)
+        for one in passage_warnings.of_folder(folder))
 
 
 def compare_into(results, folder):
     """Table and picture of several runs beside each other."""
-    names, runs = names_of(results), [opened(one) for one in results]
-    if picture := draw_beside(names, *([one[k] for one in runs] for k in (0, 1))):
+    names, runs = track_along.names_of(results), [opened(one) for one in results]
+    if picture := track_along.draw_beside(names, *([one[k] for one in runs] for k in (0, 1))):
         folder.picture("compare", picture)
-    text = table_beside(names, [found for _, _, found in runs])
-    folder.table("compare.txt", text + "".join(map(warnings_of, results, names)))
+    text = track_along.table_beside(names, [found for _, _, found in runs])
+    notes = {tuple(track_stretch.notes(deck, found)) for _, deck, found in runs}
+    folder.table("compare.txt", text + below(results, names,
+                                             notes.pop() if len(notes) == 1 else ()))
+
+
+def sentences(name, run, deck, found):
+    """The largest wheel force in short, for a report."""
+    over, state = track_stretch.counted(deck), track_stretch.state(run, deck)
+    ends = f" ({state})." if state else "."
+    if track_stretch.ground_of(deck) is None:
+        return [f"{name}: {what}: {value:.4g} {unit}{ends}"
+                for what, (value, unit) in found.items() if "largest wheel force" in what]
+    if f"largest wheel force{over.words}" not in found:
+        return []
+    most, x = (found[f"{of}argest wheel force{over.words}"][0] for of in ("l", "x of the l"))
+    text = f"{name}: largest wheel force{over.words}: {most:.4g} kN, at x = {x:.2f} m"
+    between = track_stretch.between_run_ins(deck)
+    beside, there = largest_force(run, between.holds(history(run, "wheel/x")))
+    if beside > 1e3 * most:
+        text += f"; beside it a larger one{between.words}: {beside / 1e3:.4g} kN, at x = " \
+            f"{there:.2f} m"
+    return [f"{text} from the start of the track{ends}"]
 
 
 def draw_into(results, folder):
     """Pictures and table of one run; `results`: its folder, in a list."""
     run, deck, found = opened(results[0])
-    length = deck["track"]["length"]
-    if histories := draw(run, length, deck):
+    if histories := draw(run, deck["track"]["length"], deck):
         folder.picture("track", histories)
-    if along := draw_envelope(run, deck):
+    if along := track_along.draw_envelope(run, deck):
         folder.picture("envelope", along)
-    if levels := draw_levels(run, length, run_in_of(deck)):
+    if levels := draw_levels(run, track_stretch.counted(deck)):
         folder.picture("third_octaves", levels)
     if of_points := receptances(run):
         folder.picture("receptance", receptance_figure.draw(*of_points))
@@ -495,6 +422,5 @@ def draw_into(results, folder):
     wide = max(map(len, found), default=0)
     text = "".join(f"{name:{wide}} {value:10.4g} {unit}\n" for name, (value, unit) in found.items())
     name = results[0].resolve().name
-    folder.sentences += [f"{name}: {what}: {value:.4g} {unit}."
-                         for what, (value, unit) in found.items() if "largest wheel force" in what]
-    folder.table("track.txt", text + warnings_of(results[0], name))
+    folder.sentences += sentences(name, run, deck, found)
+    folder.table("track.txt", text + below(results, [name], track_stretch.notes(deck, found)))

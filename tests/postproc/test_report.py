@@ -258,10 +258,10 @@ def test_tracks_share_a_table_and_a_picture(tmp_path):
     ran = conftest.call("compare", *runs[:2], "-o", tmp_path / "two")
     assert ran.returncode == 0 and (tmp_path / "two/compare.png").is_file(), ran.stderr
     lines = (tmp_path / "two/compare.txt").read_text(encoding="utf-8").splitlines()
-    assert lines[0].split() == ["unit", "soft", "stiff", "change,", "%"]
+    assert lines[0].split() == "unit soft stiff change from soft to stiff".split()
     lowered = next(line for line in lines
                    if line.startswith("sleeper at 4.2 m, largest downward displacement"))
-    assert lowered.split()[-4:] == ["mm", "1", "0.5", "-50"]
+    assert lowered.split()[-4:] == ["mm", "1", "0.5", "-50.0%"]
     ran = conftest.call("compare", *runs, "-o", tmp_path / "three")
     heading = (tmp_path / "three/compare.txt").read_text(encoding="utf-8").splitlines()[0]
     assert ran.returncode == 0 and heading.split() == ["unit", "soft", "stiff", "c"]

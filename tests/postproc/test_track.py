@@ -3,7 +3,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from made import store
-from trackbed_post import geometry, read, receptance_figure, track_figures, track_measures, write
+from trackbed_post import (geometry, read, receptance_figure, track_along, track_figures,
+                           track_measures, write)
 
 
 def made(sleepers=True):
@@ -134,13 +135,13 @@ def test_run_without_points_of_the_rail():
 
 
 def test_envelope():
-    assert track_figures.draw_envelope(made(), {}) is None  # results of an older version
+    assert track_along.draw_envelope(made(), {}) is None  # results of an older version
     x = np.repeat([0.0, 0.6, 1.2], 2)
     along = {"x": x, "rail/displacement_min": -1e-3 - 1e-4 * np.arange(6),
              "rail/displacement_max": 1e-4 * np.arange(6)}
     along |= {"sleeper" + name[4:]: values for name, values in along.items() if name != "x"}
     along["sleeper/seat_force_max"] = 1e3 * np.arange(6)
-    figure = track_figures.draw_envelope(made() | {
+    figure = track_along.draw_envelope(made() | {
         f"envelope/{name}": read.Quantity(values, "-", "made for a test")
         for name, values in along.items()}, {})
     rail, seat = figure.axes
@@ -309,8 +310,8 @@ def test_run_ins_are_shaded_where_numbers_leave_them_out():
     bridge = DECK | {"track": {**DECK["track"], "support": "none"}}
     for deck, each in ((DECK, ends), (bridge, None)):
         for figure, count in ((track_figures.draw(run, 150, deck), 1),
-                              (track_figures.draw_envelope(run, deck), 2),
-                              (track_figures.draw_beside("ab", [run, run], [deck, deck]), 2)):
+                              (track_along.draw_envelope(run, deck), 2),
+                              (track_along.draw_beside("ab", [run, run], [deck, deck]), 2)):
             found = shaded(figure)
             assert len(found) == (count if each else 0)
             assert all(np.allclose(one, ends) for one in found)

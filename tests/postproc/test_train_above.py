@@ -105,7 +105,8 @@ def test_the_train_is_above_the_histories_of_a_track():
     run = {name: read.Quantity(values, "", "") for name, values in run.items()}
     figure = track_figures.draw(run, 20, {"train": {"vehicles": ["wagon"]}})
     wheels, strip, *histories = figure.axes
-    assert wheels.get_xlabel() == "x of the wheel, m" and len(strip.texts) == 4
+    assert wheels.get_xlabel() == "x of the wheel from the start of the track, m"
+    assert len(strip.texts) == 4
     for panel in histories:
         assert panel.get_xlim() == strip.get_xlim() == (TIME[0], TIME[-1])
         assert sum(line.get_linestyle() == ":" for line in panel.lines) == 4
