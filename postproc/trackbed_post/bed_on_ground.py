@@ -134,6 +134,11 @@ def passage_of_spectra(runs):
     return measures.passage_words(runs) + (", its last train" if several else "")
 
 
+def words_of(name):
+    """A quantity of a sleeper in words."""
+    return {"seat_force": "seat load"}.get(name, name.replace("_", " "))
+
+
 def mark_peaks(panel, lobes, colour, label):
     """Rings around peaks at passing frequencies."""
     found = [lobe for lobe in lobes.values() if lobe and lobe.peak]
@@ -153,7 +158,7 @@ def table_of_peaks(runs, known=None):
         lines += ["", f"spectra of sleepers near the passing frequencies, {run.name}, "
                   f"{passage_of_spectra([run])}, resolution {frequencies.resolution(run):.2g} Hz"]
         marks = frequencies.of_passage(run)
-        lines += [f"  {name.replace('_', ' '):<16}{f'{mark} = {marks[mark]:.2f} Hz':<24}"
+        lines += [f"  {words_of(name):<16}{f'{mark} = {marks[mark]:.2f} Hz':<24}"
                   + (lobe.words(SPECTRA[name][0]) if lobe else "beyond the spectrum")
                   for name, of_runs in found.items() for mark, lobe in of_runs[number].items()]
     return "\n".join(lines) + "\n" if lines else ""
@@ -180,7 +185,7 @@ def spectra(runs, known=None):
             panel.plot(frequency[shown], mean[shown], style, color=colour, lw=1, label=run.name)
             mark_peaks(panel, lobes, colour, f"{run.name}, peak near a passing frequency "
                        f"(resolution {frequencies.resolution(run):.2g} Hz)")
-        panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
+        panel.set_ylabel(f"{words_of(name)} ({unit})")
     for panel in panels:
         for mark, target in marks.items():
             panel.axvline(target, color="0.4", lw=0.8, ls=":",

@@ -194,7 +194,7 @@ def test_the_table_and_the_figure_name_the_same_peaks(runs):
         **run.sleeper, "seat_force": read.Quantity(-1e3 * wave, "N", "-"),
         "displacement": read.Quantity(-2e-3 * wave, "m", "-")})
     text = bed_on_ground.table_of_peaks([run])
-    lines = [line for line in text.splitlines() if "seat force" in line]
+    lines = [line for line in text.splitlines() if "seat load" in line]
     assert [line.split("Hz", 1)[1].strip() for line in lines if "v/L_w" in line] == [
         "peak at 11.10 Hz, 0.999 kN, 4.6 times the largest amplitude beside it"]
     assert sum("no peak: " in line for line in lines) == 2
@@ -212,7 +212,7 @@ def test_the_table_and_the_figure_name_the_same_peaks(runs):
     rows = [row for row in csv.DictReader(figure_csv.of_figure(figure).splitlines())
             if row["line"] == near]
     rings = [(row["y axis"], row["x"]) for row in rows]
-    assert ("displacement (mm)", "11.1") in rings and ("seat force (kN)", "11.1") in rings
+    assert ("displacement (mm)", "11.1") in rings and ("seat load (kN)", "11.1") in rings
     assert len(rings) == text.count("peak at ")
     assert [text.get_text() for text in figure.axes[0].texts] == [" v/L_c", " v/L_w", " v/s"]
     plt.close("all")
