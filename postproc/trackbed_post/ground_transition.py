@@ -198,18 +198,18 @@ def table(runs: Runs, unsound: str = "") -> str:
 
 
 def _rows(runs: Runs, found: list[Transition]) -> list[str]:
-    """The head and a line for each of ROWS."""
+    """The head and a line for each of ROWS, with the change from the first run to the second."""
     compared = len(runs) == 2 and not judgement.why_no_comparison(*runs)
     head = f"{'downwards and compression positive':<{WIDE}}{'':>6}"
-    lines = [head + "".join(f" {run.name:>11}" for run in runs)
-             + (f"{'change':>10}" if compared else "")]
+    change_of = f"  change from {runs[0].name} to {runs[-1].name}" if compared else ""
+    lines = [head + "".join(f" {run.name:>11}" for run in runs) + change_of]
     for label, unit, field, factor in ROWS:
         values = [getattr(numbers, field) * factor for numbers in found]
         line = f"{label:<{WIDE}}{unit:>6}" + "".join(
             f"{judgement.shown(value, field in PLACES):>12}" for value in values)
-        change = Difference(values[0], values[-1], 0, unit).change
+        change = Difference(values[-1], values[0], 0, unit).change
         if compared and field not in NO_CHANGE and np.isfinite(change):
-            line += f"{change:+10.0%}"
+            line += f"{f'{change:+.0%}':>{len(change_of)}}"
         lines.append(line)
     return lines
 
@@ -243,8 +243,10 @@ def effects(runs: Runs, unsound: str = "") -> list[str]:
     no_pair = judgement.why_no_pair(*runs)
     reasons = [f"no verdict, since {unsound}"] if unsound else \
         [f"no verdict: {no_pair}"] if no_pair else []
-    return reasons + effect(found[0], found[1], measures.spacing(runs[0]),
-                            "" if no_pair else judgement.measure_words(*runs), not unsound)
+    lines = effect(found[0], found[1], measures.spacing(runs[0]),
+                   "" if no_pair else judgement.measure_words(*runs), not unsound)
+    base = [f"differences of {runs[0].name} from {runs[1].name}, relative to {runs[1].name}:"]
+    return reasons + (base + lines if lines else [])
 
 
 def differences(first: Transition, second: Transition, spacing: float) -> dict[str, Difference]:
@@ -267,12 +269,12 @@ def differences(first: Transition, second: Transition, spacing: float) -> dict[s
 
 
 def _named(what: str, found: Difference) -> str:
-    """The name of a change; of one that is relative to something else than its second value, as in
-    the column of changes, with both."""
+    """The name of a difference; of one that is relative to something else than its second value,
+    with both."""
     if np.isnan(found.reference) or not np.isfinite(found.of_itself):
         return what
     name, relative, to = what.partition(" relative")
-    return f"{name} ({found.of_itself:+.0%} of the jump itself, as in the table){relative}{to}"
+    return f"{name} ({found.of_itself:+.0%} of the jump itself){relative}{to}"
 
 
 ON_GROUND = ("the lines below are about the ground's surface; those about the level of the rail, "

@@ -154,9 +154,12 @@ def test_runs_in_the_wrong_order_are_to_be_exchanged(runs):
 def test_both_percentages_of_a_stress_jump_are_named(runs):
     text = ground_transition.table(runs)
     line = next(line for line in text.splitlines() if line.startswith("stress jump at the edge"))
-    assert line.endswith("-71%")
-    assert ("change of the stress jump (-71% of the jump itself, as in the table) relative to the "
-            "mean stress at the edge: -77%: as expected") in text
+    assert line.endswith("+250%"), "from the first run to the second, 20 to 70 kPa"
+    assert text.splitlines()[0].endswith("  change from wedge to no_wedge")
+    assert ("change of the stress jump (-71% of the jump itself) relative to the mean stress at "
+            "the edge: -77%: as expected") in text
+    assert text.index("differences of wedge from no_wedge, relative to no_wedge:\n") \
+        < text.index("change of the stress jump")
 
 
 @pytest.mark.parametrize("rail, scatter, differs", [

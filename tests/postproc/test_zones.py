@@ -109,8 +109,8 @@ def test_the_report_has_the_sentences_of_the_table(runs):
             -np.interp(run.ground_x, [2.0, reached], [0.02e-3, 2e-3]), "m", "-")})
             for run, reached in zip(runs, (4.0, 6.5))]
     lines = in_short(pair)
-    assert len(lines) == 5
-    assert ground_transition.table(pair).splitlines()[-5:] == lines
+    assert len(lines) == 6
+    assert ground_transition.table(pair).splitlines()[-6:] == lines
 
 
 def test_the_report_compares_no_places_that_differ(runs):
