@@ -1,6 +1,8 @@
 """Figures of a track alone along the track: extremes of all steps of one run (envelope) and of
 several beside each other (compare), with run-ins, ends of the ground and its blocks.
 """
+import dataclasses
+
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -29,9 +31,9 @@ def x_of(what, deck):
     return f"{what} from the start of the track{shift}, m"
 
 
-def mark_ground(panel, deck, named=False):
+def mark_ground(panel, deck, named=False, only=""):
     """Shades the blocks of the ground and marks its ends, with one entry of the legend; `named`:
-    with the names of the blocks, above the curves."""
+    with the names of the blocks, above the curves; `only`: words behind these names."""
     ground = track_stretch.ground_of(deck)
     if ground is None:
         return
@@ -39,7 +41,8 @@ def mark_ground(panel, deck, named=False):
     for x in ground.extent:
         panel.axvline(x, color="0.35", lw=0.9, ls=(0, (6, 3)), label=label)
         label = panels.HIDDEN
-    blocks = track_stretch.blocks_of(deck)
+    blocks = [dataclasses.replace(one, label=one.label + only)
+              for one in track_stretch.blocks_of(deck)]
     shades.shade(panel, blocks)
     if named and blocks:
         low, high = panel.get_ylim()
@@ -148,20 +151,22 @@ def draw_beside(names, runs, decks):
     grounds = [track_stretch.ground_of(deck) for deck in decks]
     alike = all(one and grounds[0] and one.origin == grounds[0].origin
                 and one.extent == grounds[0].extent for one in grounds)
+    blocks = [track_stretch.blocks_of(deck) for deck in decks]
+    only = "" if all(one == blocks[0] for one in blocks) else f" ({names[0]})"
     for row, (axis, panel) in enumerate(zip(axes, grid[:, 0])):
         for number, (name, one) in enumerate(zip(names, found)):
             panel.plot(*one[axis], ("-", "--", "-.", ":")[number % 4], lw=1, label=name)
         panel.set(ylabel=axis)
         panel.grid(alpha=0.3)
         shade_run_ins(panel, decks)
-        if alike:  # the blocks are those of the first run
-            mark_ground(panel, decks[0], row == 0)
+        if alike:
+            mark_ground(panel, decks[0], row == 0, only)
     panels.legend_above(grid[0, 0])
     grid[-1, 0].set(xlabel=x_of("x", decks[0] if alike else {}))
     states = [f"{name}: {one}" for name, run, deck in zip(names, runs, decks)
               if (one := track_stretch.state(run, deck))]
     figure.suptitle(panels.wrapped("; ".join(filter(None, (
-        "Lowest rail and largest seat loads, of all steps", words_of(names, runs, decks),
+        "Lowest rail and largest seat loads", words_of(names, runs, decks),
         *states))), 8, 11), fontsize=11)
     return figure
 

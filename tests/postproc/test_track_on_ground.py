@@ -131,6 +131,15 @@ def test_figures_show_the_ground_its_blocks_and_both_origins(tmp_path):
     plt.close("all")
 
 
+def test_blocks_of_one_run_only_are_named_as_its_own(tmp_path):
+    bare = track_on_ground.DECK.replace(track_on_ground.BLOCKS, "")
+    runs = [track_figures.opened(track_on_ground.folder(tmp_path / name, deck=deck))
+            for name, deck in (("w", track_on_ground.DECK), ("n", bare))]
+    figure = track_along.draw_beside("wn", *([run[k] for run in runs] for k in (0, 1)))
+    assert {text.get_text() for text in figure.axes[0].texts} == {"abutment (w)", "wedge (w)"}
+    plt.close(figure)
+
+
 def test_another_model_has_no_ground():
     deck = {"model": "track", "track": {"length": 20.0, "run_in": 2.0}}
     assert track_stretch.ground_of(deck) is None and track_stretch.notes(deck, []) == []
