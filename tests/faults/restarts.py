@@ -81,7 +81,7 @@ def shortened(program, path, given):
         if kind == "jump":
             words += ["jump.cycles=2", f"jump.period={length / 4:.6g}"]
         elif stage.get("cycles", 0) > 4:
-            words.append(f"{key}.cycles=2")
+            words.append(f"{key}.cycles=3")  # more than jump.cycles
     return words
 
 
@@ -142,15 +142,16 @@ class Deck:
             shutil.rmtree(self.place / "whole")
             ran, limit = self.ran("whole", f"output.stop_after={last}"), [last]
         if ran.returncode not in (0, 3):
-            return f"code {ran.returncode}", ran.stderr[-300:]
+            return f"code {ran.returncode}", ran.stderr.strip()[:300]
         last = last or total_windows(self.place / "whole")
         stops = sorted(self.chance.sample(range(1, last), min(STOPS, last - 1)))
         for number, stop in enumerate(stops + limit):
             ran = self.ran("parts", f"output.stop_after={stop}", resume=number > 0)
             if ran.returncode != 3:
-                return "stopped", f"stop after {stop}: code {ran.returncode}: {ran.stderr[-300:]}"
+                return "stopped", (f"stop after {stop}: code {ran.returncode}: "
+                                   f"{ran.stderr.strip()[:300]}")
         if not limit and (ran := self.ran("parts", "output.stop_after=0", resume=True)).returncode:
-            return "resumed", f"code {ran.returncode}: {ran.stderr[-300:]}"
+            return "resumed", f"code {ran.returncode}: {ran.stderr.strip()[:300]}"
         return f"{last} windows" + (", then it fails" if limit else ""), difference(
             self.place / "whole", self.place / "parts")
 
