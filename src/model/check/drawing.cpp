@@ -150,9 +150,9 @@ void draw_train(const Model& model, const TrackPlace& place, double top, Picture
                              more > 1 ? "s" : "", more > 1 ? "are" : "is"));
   picture.note(fmt::format(
       "{}, {:.5g} km/h towards the right.",
-      moved ? fmt::format("The train is drawn over the bed; it starts with its first axle at x = "
-                          "{:g} m",
-                          start)
+      moved ? fmt::format("The train is drawn over the {}; it starts with its first axle at "
+                          "x = {:g} m",
+                          model.kind == ModelKind::bed ? "bed" : "ground", start)
             : "Train at its start",
       3.6 * model.track.train.speed));
 }

@@ -163,11 +163,13 @@ std::string Picture::texts(const View& view, std::vector<std::string>& notes) co
   int number = 0;
   for (Part part : parts_) {
     if (part.kind != Kind::text && part.kind != Kind::name) continue;
+    const std::size_t end = part.words.find_last_not_of(' ') + 1;  // a space keeps off the border
     const double width = letter * static_cast<double>(part.words.size() + 1);
     if (part.kind == Kind::name && (width > part.size_of_part.x * view.scale ||
                                     line_height > part.size_of_part.z * view.scale)) {
       const std::string short_name = fmt::format("{}", ++number);
-      list += fmt::format("{}{}: {}", number > 1 ? "; " : "", short_name, part.words);
+      list +=
+          fmt::format("{}{}: {}", number > 1 ? "; " : "", short_name, part.words.substr(0, end));
       part.words = short_name;
     }
     part.kind = Kind::text;
