@@ -87,8 +87,8 @@ struct Stage {
 // Of every run. None of these changes the motion: a run may be resumed with others, a passage only
 // with the same history_interval.
 struct RunOutput {
-  double history_interval = 5e-4;    // s of simulated time between history rows; 0: every window
-  double checkpoint_interval = 0.1;  // s of simulated time; 0: none
+  double history_interval = 1e-3;  // s of simulated time between history rows; 0: every window
+  double checkpoint_interval = 0;  // s of simulated time; 0: none
   double checkpoint_wall_interval = 1800;  // s of wall time; 0: none
   double wall_time = 0;                    // s of wall time after which the run stops; 0: none
   std::int64_t stop_after = 0;             // windows after which the run stops; 0: none
@@ -181,8 +181,6 @@ struct Model {
   JumpParameters jump;
   void declare(input::Section& s);
 
-  // With the defaults of this kind.
-  void set_kind(ModelKind given);
   bool periodic_in(const std::string& axis) const;
   double duration() const;  // s, of all stages
   bool has_stage(StageKind kind) const;

@@ -112,8 +112,8 @@ std::string names_of_row(const Values& values, const std::string& row) {
 // All default values, with one row of each table.
 Values defaults_of(const std::string& kind) {
   model::Model model;
-  if (kind == "\"track\"") model.set_kind(model::ModelKind::track);
-  if (kind == "\"track_on_ground\"") model.set_kind(model::ModelKind::track_on_ground);
+  if (kind == "\"track\"") model.kind = model::ModelKind::track;
+  if (kind == "\"track_on_ground\"") model.kind = model::ModelKind::track_on_ground;
   if (kind == "\"ground\"") model.kind = model::ModelKind::ground, model.pressures.resize(1);
   if (kind == "\"stones\"") {
     model.kind = model::ModelKind::stones;

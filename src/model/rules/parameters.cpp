@@ -78,14 +78,12 @@ void TimeParameters::declare(input::Section& s) {
 void RunOutput::declare(input::Section& s) {
   s.number("history_interval", history_interval, {.unit = "s", .at_least = 0},
            "Simulated time between rows of the histories, rounded to windows; 0: a row after each "
-           "window. For the models track and track_on_ground, whose windows are time steps, the "
-           "default is 1e-3 s.");
+           "window.");
   const auto free = s.free_to_change();
   s.number(
       "checkpoint_interval", checkpoint_interval, {.unit = "s", .at_least = 0},
       "Simulated time between checkpoints within a stage, rounded to windows; 0: none within the "
-      "stage but those of checkpoint_wall_interval and of a stop. For the models track and "
-      "track_on_ground the default is 0.");
+      "stage but those of checkpoint_wall_interval and of a stop.");
   s.number("checkpoint_wall_interval", checkpoint_wall_interval, {.unit = "s", .at_least = 0},
            "Wall time after the last checkpoint at which another one is written; 0: none.");
   s.number("wall_time", wall_time, {.unit = "s", .at_least = 0},
@@ -149,12 +147,6 @@ void Output::declare(input::Section& s) {
       "Width of the cells in which the height of the bed is written at the end of each stage.");
 }
 
-void Model::set_kind(ModelKind given) {
-  kind = given;
-  if (has_stages()) return;
-  output.history_interval = 1e-3, output.checkpoint_interval = 0;
-}
-
 // A track alone.
 void Model::declare_passage(input::Section& s) {
   track.declare(s);
@@ -204,18 +196,16 @@ void Model::declare_space(input::Section& s) {
 
 void Model::declare(input::Section& s) {
   s.text("title", title, "Title of the deck.");
-  ModelKind given = kind;
   // The state of a track alone or on a ground is the motion of a model that is built again from the
   // deck, and depends on nearly every parameter.
   const auto fixed = s.fixed_by(has_stages() ? input::state::none : input::state::passage);
   s.choice(
-      "model", given, {"bed", "track", "track_on_ground", "ground", "stones"},
+      "model", kind, {"bed", "track", "track_on_ground", "ground", "stones"},
       "Kind of model; bed: stones, ground and sleepers under seat loads; track: a train on rail, "
       "pads, sleepers and springs, without stones and ground (a track alone); track_on_ground: a "
       "track alone with [ground] below the springs of some sleepers; ground: [ground] alone under "
       "[[pressure]], in stages of kind run; stones: each [[stone]], [[plate]] and [[box]] as "
       "placed by the deck, in stages of kind run and settle.");
-  if (given != kind) set_kind(given);
   track.on_bed = kind == ModelKind::bed;
   track.on_ground = kind == ModelKind::track_on_ground;
   if (kind == ModelKind::ground) return declare_ground_alone(s);

@@ -62,7 +62,7 @@ TEST(Compatible, PadsWithUpliftHadNoPreload) {
 
 model::Model model_with_rows(model::ModelKind kind) {
   model::Model model;
-  model.set_kind(kind);
+  model.kind = kind;
   model.physics.materials.resize(1), model.physics.laws.resize(1);
   model.pressures.resize(1), model.stages.resize(1), model.regions.resize(1);
   model.sensors.resize(1);
