@@ -122,6 +122,8 @@ namespace {
 // be known before the first term is added.
 class Sums {
  public:
+  explicit Sums(std::size_t terms = 0) { terms_.reserve(terms); }  // about as many are added
+
   // The last two have three components. Those of energies come first.
   enum Of : std::size_t { kinetic, potential, elastic, mass, net, contact, momentum, force = 9 };
   static constexpr std::size_t energies = mass, all = force + 3;  // numbers of sums
@@ -130,13 +132,14 @@ class Sums {
   void add(Of sum, const Vec3& term) {
     for (std::size_t a = 0; a < 3; ++a) terms_.push_back({sum + a, term[static_cast<int>(a)]});
   }
-  void add_energies(const ParticleView& p, double g) {
-    // Rotation: 1/2 L . w, the same in any axes.
-    add(kinetic, 0.5 * p.mass * p.velocity.squaredNorm() + 0.5 * p.angular_momentum.dot(p.spin));
-    add(potential, p.mass * g * p.position.z());
+  void add_energies(const State& s, std::size_t b, double g) {
+    const double mass = s.v[b].w;
+    const Vec3 body = quat(s.q[b]).conjugate() * s.l[b].vec3();  // angular momentum
+    add(kinetic, 0.5 * mass * s.v[b].vec3().squaredNorm() +
+                     0.5 * body.dot(body.cwiseQuotient(s.inertia[b].vec3())));
+    add(potential, mass * g * s.x[b].z);
   }
   void add(const ParticleView& p, double g) {
-    add_energies(p, g);
     add(mass, p.mass);
     // Gravity is not in the stored force. The force that holds a held particle balances all forces
     // on it.
@@ -186,8 +189,8 @@ std::optional<EnergyAccount> Particles::Impl::energy_account() const {
 
 Energies Particles::energies() const {
   const Impl& r = *impl_;
-  Sums sums;
-  for (std::size_t b = 0; b < r.state.own; ++b) sums.add_energies((*this)[b], r.parameters.gravity);
+  Sums sums(6 * r.state.own);  // two of a particle, one of each contact
+  for (std::size_t b = 0; b < r.state.own; ++b) sums.add_energies(r.state, b, r.parameters.gravity);
   ContactLoop(r).run(
       [&](const ContactView&, double energy, auto...) { sums.add(Sums::elastic, energy); });
   bonds([&](const BondView& bond) { sums.add(Sums::elastic, bond.energy); });
@@ -202,6 +205,7 @@ Totals Particles::totals() const {
   Sums sums;
   for (std::size_t b = 0; b < r.state.own; ++b) {
     const ParticleView p = (*this)[b];
+    sums.add_energies(r.state, b, r.parameters.gravity);
     sums.add(p, r.parameters.gravity);
     total.pieces += static_cast<std::int64_t>(r.shapes.end(p.shape) - r.shapes.begin(p.shape));
   }
@@ -287,7 +291,7 @@ Memory Particles::memory() const {
   to = &memory.contacts;
   for (const PairList* list : {&r.pairs, static_cast<const PairList*>(&r.stones)})
     count(list->rows, list->entries, list->xi, list->roll, list->size);
-  count(r.near.blocks, r.near.size, r.near.roll, r.near.limit, r.breaking.strength);
+  count(r.near.blocks, r.near.size, r.near.roll, r.near.limit, r.near_pieces, r.breaking.strength);
   count(r.stones.turn, r.approaches);
   for (const Approach& a : r.approaches) count(a.triangles, a.patches, a.near.features);
   count(r.bonding.bonds, r.bonding.places);

@@ -122,8 +122,9 @@ void Particles::Impl::visit_work(Visit&& visit) const {
         visit(body(row.piece), body(list.entries[e].piece), cost(e));
   };
   // Each entry costs its test whether in contact or not; a contact costs the law in addition.
-  visit_list(pairs, [&](std::uint32_t e) {
-    return pairs.entries[e].touching ? entry_cost + contact_cost : entry_cost;
+  visit_list(pairs, [](std::uint32_t) { return entry_cost; });
+  visit_touching([&](std::int32_t piece, std::uint32_t e, auto...) {
+    visit(body(piece), body(pairs.entries[e].piece), contact_cost);
   });
   visit_list(stones, [&](std::uint32_t e) {
     return stone_entry_cost + feature_cost * static_cast<double>(stone_contacts.features(e)) +

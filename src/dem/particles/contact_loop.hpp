@@ -20,6 +20,7 @@ inline Vec3 elastic_force(const Law& law, double delta, double radius, const Vec
 // particle on any rank.
 struct Particles::ContactLoop {
   static constexpr std::size_t no_particle = static_cast<std::size_t>(-1);
+  const Particles::Impl& impl;
   const State& state;
   const Shapes& shapes;
   const Pieces& pieces;
@@ -30,7 +31,8 @@ struct Particles::ContactLoop {
   const LawTable& laws;
 
   explicit ContactLoop(const Particles::Impl& r)
-      : state(r.state),
+      : impl(r),
+        state(r.state),
         shapes(r.shapes),
         pieces(r.pieces),
         pairs(r.pairs),
@@ -58,13 +60,9 @@ struct Particles::ContactLoop {
  private:
   template <class Takes, class Visit>
   void visit_where(const Takes& takes, Visit& visit) const {
-    for (const Row& row : pairs.rows) {
-      const auto i = static_cast<std::size_t>(row.piece);
-      const auto bi = static_cast<std::size_t>(pieces.body[i]);
-      if (!takes(bi)) continue;
-      for (std::uint32_t e = row.begin; e < row.end; ++e)
-        if (pairs.entries[e].touching) pair(i, bi, e, visit);
-    }
+    impl.visit_touching([&](std::int32_t i, std::uint32_t e, const Vec4& xi, const Vec4& roll) {
+      if (takes(body(i))) pair(i, e, xi, roll, visit);
+    });
     for (const Overlap& o : overlaps)
       if (takes(body(o.piece))) stone_pair(o, visit);
     for (const Approach& a : approaches)
@@ -100,24 +98,24 @@ struct Particles::ContactLoop {
 
   // From the present positions: for balls the overlap is recomputed at low cost.
   template <class Visit>
-  void pair(std::size_t i, std::size_t bi, std::uint32_t e, Visit& visit) const {
+  void pair(std::int32_t i, std::uint32_t e, const Vec4& xi, const Vec4& roll, Visit& visit) const {
     const Entry& entry = pairs.entries[e];
-    const auto j = static_cast<std::size_t>(entry.piece);
-    const Vec4 xi = piece(i), xj = piece(j);
-    const Vec3 to = xj.vec3() + pairs.shifts[entry.shift].vec3();
-    const Vec3 d = to - xi.vec3();
-    const double reach = xi.w + xj.w, delta = reach - d.norm(), radius = xi.w * xj.w / reach;
+    const std::size_t bi = body(i), bj = body(entry.piece);
+    const Vec4 a = piece(static_cast<std::size_t>(i));
+    const Vec4 b = piece(static_cast<std::size_t>(entry.piece));
+    const Vec3 to = b.vec3() + pairs.shifts[entry.shift].vec3();
+    const Vec3 d = to - a.vec3();
+    const double reach = a.w + b.w, delta = reach - d.norm(), radius = a.w * b.w / reach;
     const Law& law = laws[entry.law];
-    const Vec3 force = elastic_force(law, delta, radius, pairs.xi[e], d.normalized());
-    const auto bj = static_cast<std::size_t>(pieces.body[j]);
-    visit(ContactView{state.id[bi], state.id[bj], xi.vec3(), to, force, delta, state.x[bi].vec3(),
+    const Vec3 force = elastic_force(law, delta, radius, xi, d.normalized());
+    visit(ContactView{state.id[bi], state.id[bj], a.vec3(), to, force, delta, state.x[bi].vec3(),
                       state.x[bj].vec3() + pairs.shifts[entry.shift].vec3(), d.normalized(),
-                      xi.vec3() + (xi.w - delta / 2) * d.normalized()},
-          stored_energy(law, delta, radius, pairs.xi[e]) + rolling(pairs, e, delta, radius), bi, bj,
+                      a.vec3() + (a.w - delta / 2) * d.normalized()},
+          stored_energy(law, delta, radius, xi) + rolling_energy(law, delta, radius, roll), bi, bj,
           law, radius);
   }
 
-  double rolling(const PairList& list, std::uint32_t e, double delta, double radius) const {
+  double rolling(const StoneList& list, std::uint32_t e, double delta, double radius) const {
     return list.roll.empty()
                ? 0
                : rolling_energy(laws[list.entries[e].law], delta, radius, list.roll[e]);

@@ -71,7 +71,11 @@ struct Particles::Impl {
   }
   // Forces and torques on own particles, at the present poses; histories advance by one sub-step.
   void compute_pair_forces(double dt);
-  void gather_near_pairs(const std::vector<Vec4>& piece_x, double dt);  // if they may be too few
+  bool near_pairs_are_due(double dt);  // they may be too few after this sub-step
+  void gather_near_pairs(double dt);
+  void find_near_pieces();
+  bool moves_near_pieces() const;
+  void place_pieces(bool all);
   // Calls visit(piece, other, d) for all pairs in the list, d from centre to centre, m.
   template <class Visit>
   void visit_pairs(Visit&& visit) const {
@@ -82,6 +86,16 @@ struct Particles::Impl {
         const Vec3 to = pieces.x[static_cast<std::size_t>(entry.piece)].vec3();
         visit(row.piece, entry.piece, Vec3(to - from + pairs.shifts[entry.shift].vec3()));
       }
+  }
+  // Calls visit(piece, entry of the list, xi, roll) for the pairs of balls in contact, in the order
+  // of the list, which does not have the histories of near pairs (`store_near_pairs`).
+  template <class Visit>
+  void visit_touching(Visit&& visit) const {
+    if (near_valid) return near.visit_touching(visit);
+    for (const Row& row : pairs.rows)
+      for (std::uint32_t e = row.begin; e < row.end; ++e)
+        if (pairs.entries[e].touching)
+          visit(row.piece, e, pairs.xi[e], pairs.roll.empty() ? Vec4{} : pairs.roll[e]);
   }
   double speed(std::size_t b) const;
   void mark_slow_particles(double dt);
@@ -255,8 +269,9 @@ struct Particles::Impl {
   // Lists of this rank's pieces, ghosts included; made by `rebuild`, valid while `ready`.
   PairList pairs;
   NearPairs near;
-  bool near_valid = false;  // blocks match the list and the sizes of particles
-  double near_path = 0;     // m, longest of a slow particle since they were gathered
+  bool near_valid = false;                // blocks match the list and the sizes of particles
+  double near_path = 0;                   // m, longest of a slow particle since they were gathered
+  std::vector<std::int32_t> near_pieces;  // of near pairs and near surfaces, ascending
   StoneList stones;
   StoneContacts stone_contacts;
   std::vector<Approach> approaches;

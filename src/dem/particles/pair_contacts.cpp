@@ -271,15 +271,47 @@ void Particles::Impl::mark_slow_particles(double dt) {
 
 // The paths of slow particles since the last gathering bound the approach of any two; fast ones
 // have all their pairs.
-void Particles::Impl::gather_near_pairs(const std::vector<Vec4>& piece_x, double dt) {
-  if (pairs.entries.empty()) return near.clear();
+bool Particles::Impl::near_pairs_are_due(double dt) {
   if (near_valid) near_path += fastest_slow() * dt;
-  if (near_valid && 2 * near_path <= near.margin) return;
+  return !near_valid || !(2 * near_path <= near.margin);
+}
+
+// From the places of all pieces.
+void Particles::Impl::gather_near_pairs(double dt) {
+  near_pieces.clear();
+  if (pairs.entries.empty()) return near.clear();
   if (near_valid) near.store(pairs);
   mark_slow_particles(dt);
   const NearPairs::Limits limits{breaking.strength, laws};
-  near.gather(piece_x, pieces.body, pairs, breaking.strength.empty() ? nullptr : &limits);
+  near.gather(shapes.only_spheres() ? state.x : pieces.x, pieces.body, pairs,
+              breaking.strength.empty() ? nullptr : &limits);
   near_valid = true, near_path = 0;
+  find_near_pieces();
+}
+
+void Particles::Impl::find_near_pieces() {
+  if (!moves_near_pieces()) return;
+  std::vector<char> is_near(pieces.body.size(), 0);
+  for (const PairBlock& block : near.blocks)
+    for (const auto* of : {block.i, block.j})
+      for (std::size_t k = 0; k < lanes; ++k) is_near[static_cast<std::size_t>(of[k])] = 1;
+  for (const Approach& a : approaches) is_near[static_cast<std::size_t>(a.piece)] = 1;
+  for (std::size_t p = 0; p < is_near.size(); ++p)
+    if (is_near[p] != 0) near_pieces.push_back(static_cast<std::int32_t>(p));
+}
+
+// Corners are found from the poses of all stones. Breakage looks for space among all pieces.
+bool Particles::Impl::moves_near_pieces() const {
+  return !shapes.only_spheres() && !shapes.any_stones() && !breaking.active;
+}
+
+// The pieces that this sub-step needs: most pebbles of a clump are inside it or touch nothing.
+void Particles::Impl::place_pieces(bool all) {
+  if (shapes.only_spheres()) return;
+  if (all || !moves_near_pieces())
+    place(state, shapes, pieces);
+  else
+    place(state, shapes, near_pieces, pieces);
 }
 
 // Histories of near pairs are written to the list, where they are read and carried over to the next
@@ -297,7 +329,9 @@ void Particles::Impl::compute_pair_forces(double dt) {
   const auto first = static_cast<std::ptrdiff_t>(spheres ? state.own : 0);
   std::fill(state.f.begin() + first, state.f.end(), Vec4{});
   std::fill(state.t.begin() + first, state.t.end(), Vec4{});
-  if (!spheres) place(state, shapes, pieces);
+  const bool due = near_pairs_are_due(dt);
+  place_pieces(due);
+  if (due) gather_near_pairs(dt);
   const Arrays a{spheres ? state.x.data() : pieces.x.data(),
                  pieces.body.data(),
                  state.x.data(),
@@ -305,7 +339,6 @@ void Particles::Impl::compute_pair_forces(double dt) {
                  state.w.data(),
                  state.f.data(),
                  state.t.data()};
-  gather_near_pairs(spheres ? state.x : pieces.x, dt);
   const bool breaks = !near.limit.empty();
   near.over.clear();
   const auto loop = parameters.energy_balance

@@ -261,7 +261,7 @@ void Particles::advance(double dt_window, int steps) {
   for (int k = 1; k <= steps; ++k)
     r.substep({dt_window / steps, static_cast<double>(k) / steps, k, steps});
   r.kick(dt_window / steps, 1);
-  r.store_near_pairs(), r.stone_contacts.store(r.stones);
+  r.stone_contacts.store(r.stones);
   r.elapsed += dt_window;
   r.find_cuts(steps);
   // One reduction for all. A plain sum: it is only compared with a tolerance.

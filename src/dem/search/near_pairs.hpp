@@ -39,6 +39,19 @@ class NearPairs {
   void gather(const std::vector<Vec4>& x, const std::vector<std::int32_t>& body,
               const PairList& list, const Limits* limits = nullptr);
   void store(PairList& list) const;  // histories, and which entries touch
+  // Calls visit(piece, entry, xi, roll) for the pairs that touch, in the order of the list; `roll`
+  // is zero if no law resists rolling.
+  template <class Visit>
+  void visit_touching(Visit&& visit) const {
+    for (std::size_t n = 0; n < blocks.size(); ++n) {
+      const PairBlock& b = blocks[n];
+      if (!any(b.touches)) continue;
+      for (std::size_t k = 0; k < lanes; ++k)
+        if (b.touches[k] != 0)
+          visit(b.i[k], b.entry[k], Vec4{b.xi.x[k], b.xi.y[k], b.xi.z[k], b.root_mass[k]},
+                roll.empty() ? Vec4{} : Vec4{roll[n].x[k], roll[n].y[k], roll[n].z[k], 0});
+    }
+  }
   void clear() { blocks.clear(), size.clear(), roll.clear(), limit.clear(), count = 0; }
 
   std::vector<PairBlock> blocks;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "dem/law/laws.hpp"
@@ -32,7 +33,10 @@ struct Pieces {
   std::vector<double> last_path;     // m, at the last `place`
 };
 void lay_out(const State& state, const Shapes& shapes, Pieces& pieces);  // sizes, bodies, radii
-void place(const State& state, const Shapes& shapes, Pieces& pieces);    // every sub-step
+void place(const State& state, const Shapes& shapes, Pieces& pieces);    // all of them
+// Pieces without corners, in ascending order; the others keep their former places.
+void place(const State& state, const Shapes& shapes, std::span<const std::int32_t> wanted,
+           Pieces& pieces);
 // Appends the corners of a piece in space, m from the particle's centre of mass.
 void append_corners(const Shapes& shapes, const Pieces& pieces, std::size_t piece,
                     std::vector<Vec4>& corners);

@@ -57,6 +57,16 @@ double displacement(const Vec4& x, const Vec4& q, const Vec4& x0, const Vec4& q0
          2.1 * x.w * std::sqrt(a * a + b * b + c * c + d * d);
 }
 
+// The piece p of particle b.
+[[gnu::always_inline]] inline void place_piece(const Turn& turn, const State& state,
+                                               const Shapes& shapes, std::size_t b, std::size_t p,
+                                               Pieces& pieces) {
+  const Four o = turn(shapes.piece(shapes.begin(state.shape[b]) + p - pieces.begin[b]));
+  const Vec4& centre = state.x[b];
+  Vec4& x = pieces.x[p];
+  x.x = centre.x + o[0], x.y = centre.y + o[1], x.z = centre.z + o[2];
+}
+
 }  // namespace
 
 // From the pose alone and not from the previous position, so that no error grows and ghosts are
@@ -68,13 +78,8 @@ void place(const State& state, const Shapes& shapes, Pieces& pieces) {
   for (std::size_t b = 0; b < state.size(); ++b) {
     const Vec4& centre = state.x[b];
     const Turn turn(state.q[b], state.scale_now(b));
-    const std::size_t first = shapes.begin(state.shape[b]);
-    for (std::size_t p = pieces.begin[b]; p < pieces.begin[b + 1]; ++p) {
-      const std::size_t k = first + p - pieces.begin[b];
-      const Four o = turn(shapes.piece(k));
-      Vec4& x = pieces.x[p];
-      x.x = centre.x + o[0], x.y = centre.y + o[1], x.z = centre.z + o[2];
-    }
+    for (std::size_t p = pieces.begin[b]; p < pieces.begin[b + 1]; ++p)
+      place_piece(turn, state, shapes, b, p, pieces);
     if (!stones) continue;
     Vec4* columns = pieces.turns.data() + 3 * b;
     put(columns[0], turn.x), put(columns[1], turn.y), put(columns[2], turn.z);
@@ -84,6 +89,17 @@ void place(const State& state, const Shapes& shapes, Pieces& pieces) {
     pieces.pace[b] = pieces.path[b] - pieces.last_path[b];  // including growth
     pieces.last_path[b] = pieces.path[b];
     pieces.last_x[b] = centre, pieces.last_q[b] = state.q[b];
+  }
+}
+
+void place(const State& state, const Shapes& shapes, std::span<const std::int32_t> wanted,
+           Pieces& pieces) {
+  for (auto piece = wanted.begin(); piece != wanted.end();) {
+    const std::int32_t body = pieces.body[static_cast<std::size_t>(*piece)];
+    const auto b = static_cast<std::size_t>(body);
+    const Turn turn(state.q[b], state.scale_now(b));
+    for (; piece != wanted.end() && pieces.body[static_cast<std::size_t>(*piece)] == body; ++piece)
+      place_piece(turn, state, shapes, b, static_cast<std::size_t>(*piece), pieces);
   }
 }
 
