@@ -8,7 +8,7 @@ import typing
 
 import numpy as np
 
-from trackbed_post import axles, bed_warnings, ground_blocks, read, track_stretch
+from trackbed_post import axles, bed_warnings, ground_blocks, ground_ends, read, track_stretch
 from trackbed_post.bed_warnings import BedWarning
 
 # A rail on equal springs lifts by exp(-pi) = 4 % of its largest deflection ahead of a wheel, and
@@ -42,7 +42,8 @@ def of_track(every: read.Quantities, deck: read.Deck,
     if "history/wheel/force" not in every or not every["history/time"].values.size:
         return []
     return [*track_stretch.warnings_of(every, deck),
-            *_of_wheels_on_track(every, deck, summary), *_of_pads_of_track(every, deck)]
+            *_of_wheels_on_track(every, deck, summary), *_of_pads_of_track(every, deck),
+            *ground_ends.warnings_of(every, deck)]
 
 
 def of_folder(folder: typing.Any) -> list[str]:
