@@ -3,7 +3,6 @@ in tension, which no fastening carries. Each is stated once, with its worst plac
 them have no verdict: their forces are those of impacts, or of fastenings that do not exist. Of a
 track without stones also which part of it the train has not passed."""
 import collections.abc
-import functools
 import typing
 
 import numpy as np
@@ -148,38 +147,35 @@ def _of_pads_on_bed(run: read.Results) -> list[str]:
         inner = inner & axles.reached(run.wheel["x"].values[rows], x)
     load = load[known][:, inner]
     return _of_pads(x[inner], load.min(axis=0), load.max(axis=0),
-                    lambda _: "check irregularity and speed; if these are as meant, "
+                    "check irregularity and speed; if these are as meant, "
                     f"{bed_warnings.remedies(run)}")
 
 
 def _of_pads_of_track(every: read.Quantities, deck: read.Deck) -> list[str]:
-    """Without the weight of the rail, which this model does not have."""
+    """Without the weight of the rail, which this model does not have, and without seats at the
+    ends of a ground: the sleeper on springs does not go down with the ground beside it, so that the
+    rail hangs on the next sleeper; ground_ends compares the stiffness of both."""
     names = [f"envelope/sleeper/seat_force_{end}" for end in ("min", "max")]
     if deck.get("pad", {}).get("uplift") or not {"envelope/x", *names} <= every.keys():
         return []
     x = every["envelope/x"].values.ravel()
     there = track_stretch.between_run_ins(deck).holds(x) & axles.reached(
         track_stretch.history(every, "wheel/x"), x)
+    if ground := track_stretch.ground_of(deck):
+        there &= np.array([not ground.at_end(one) for one in x])
     least, most = (every[name].values.ravel()[there] for name in names)
-    return _of_pads(x[there], least, most, functools.partial(_remedy, deck))
+    return _of_pads(x[there], least, most, _remedy(deck))
 
 
-def _remedy(deck: read.Deck, x: float) -> str:
-    """Against tension that is largest at x, m."""
-    ground = track_stretch.ground_of(deck)
-    if ground and ground.at_end(x):
-        return ("the support changes there from the springs beside the ground to the ground in a "
-                "step: give these springs, by bed of a [[track.zone]], a stiffness with which the "
-                "rail goes down as far as over the ground")
+def _remedy(deck: read.Deck) -> str:
     remedy = "set pad.uplift = true with the clamping force as pad.preload" \
         if deck.get("model") == "track" else "look for sleepers without support there"
     return f"{remedy}, or check irregularity and speed"
 
 
 def _of_pads(x: np.ndarray, least: np.ndarray, most: np.ndarray,
-             remedy: collections.abc.Callable[[float], str]) -> list[str]:
-    """Of the least and largest load of each seat over which a wheel has run, N, down; `remedy`: of
-    the place, m, of the largest tension."""
+             remedy: str) -> list[str]:
+    """Of the least and largest load of each seat over which a wheel has run, N, down."""
     if not len(x):
         return []
     usual = float(np.median(most))
@@ -191,4 +187,4 @@ def _of_pads(x: np.ndarray, least: np.ndarray, most: np.ndarray,
             f"{x[k]:.2f} m by {-1e-3 * least[k]:.1f} kN, {-least[k] / usual:.1%} of the load of a "
             f"seat below a wheel, {1e-3 * usual:.1f} kN (limit {PULLS:.0%}): pads of the model "
             "transmit tension, fastenings only up to their clamping force, so that rail and "
-            f"sleepers would move apart; {remedy(float(x[k]))}"]
+            f"sleepers would move apart; {remedy}"]

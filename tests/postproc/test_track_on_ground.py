@@ -47,12 +47,11 @@ def test_seats_over_which_no_axle_has_run_do_not_count(tmp_path):
 
 @pytest.mark.parametrize("sleeper, at_end", [(17, False), (19, True), (20, True), (21, True),
                                              (22, False), (38, True), (40, True), (42, False)])
-def test_tension_at_an_end_of_the_ground_names_the_step_of_stiffness(tmp_path, sleeper, at_end):
+def test_tension_at_an_end_of_the_ground_is_one_of_the_model(tmp_path, sleeper, at_end):
     """Sleepers 20 to 39 are on the ground."""
-    one, = tension(track_on_ground.folder(tmp_path / "w", **{f"at_{sleeper}": -4e3}))
-    assert ("from the springs beside the ground to the ground in a step" in one) == at_end
-    assert ("by bed of a [[track.zone]]" in one) == at_end
-    assert ("sleepers without support" in one) != at_end
+    found = tension(track_on_ground.folder(tmp_path / "w", **{f"at_{sleeper}": -4e3}))
+    assert len(found) == (0 if at_end else 1)
+    assert all("sleepers without support" in one for one in found)
 
 
 def table(folder, out):
