@@ -154,7 +154,7 @@ def _of_pads_on_bed(run: read.Results) -> list[str]:
 def _of_pads_of_track(every: read.Quantities, deck: read.Deck) -> list[str]:
     """Without the weight of the rail, which this model does not have, and without seats at the
     ends of a ground: the sleeper on springs does not go down with the ground beside it, so that the
-    rail hangs on the next sleeper; ground_ends compares the stiffness of both."""
+    rail pulls the next sleeper up; ground_ends compares the stiffness of both."""
     names = [f"envelope/sleeper/seat_force_{end}" for end in ("min", "max")]
     if deck.get("pad", {}).get("uplift") or not {"envelope/x", *names} <= every.keys():
         return []
