@@ -74,7 +74,6 @@ struct Particles::Impl {
   bool near_pairs_are_due(double dt);  // they may be too few after this sub-step
   void gather_near_pairs(double dt);
   void find_near_pieces();
-  bool moves_near_pieces() const;
   void place_pieces(bool all);
   // Calls visit(piece, other, d) for all pairs in the list, d from centre to centre, m.
   template <class Visit>

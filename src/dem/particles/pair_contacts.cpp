@@ -289,8 +289,9 @@ void Particles::Impl::gather_near_pairs(double dt) {
   find_near_pieces();
 }
 
+// Corners are found from the poses of all stones: of those all pieces are placed.
 void Particles::Impl::find_near_pieces() {
-  if (!moves_near_pieces()) return;
+  if (shapes.only_spheres() || shapes.any_stones()) return;
   std::vector<char> is_near(pieces.body.size(), 0);
   for (const PairBlock& block : near.blocks)
     for (const auto* of : {block.i, block.j})
@@ -300,15 +301,11 @@ void Particles::Impl::find_near_pieces() {
     if (is_near[p] != 0) near_pieces.push_back(static_cast<std::int32_t>(p));
 }
 
-// Corners are found from the poses of all stones. Breakage looks for space among all pieces.
-bool Particles::Impl::moves_near_pieces() const {
-  return !shapes.only_spheres() && !shapes.any_stones() && !breaking.active;
-}
-
-// The pieces that this sub-step needs: most pebbles of a clump are inside it or touch nothing.
+// The pieces that this sub-step needs: most pebbles of a clump are inside it or touch nothing. What
+// breaks off or grows looks for space among all of them.
 void Particles::Impl::place_pieces(bool all) {
   if (shapes.only_spheres()) return;
-  if (all || !moves_near_pieces())
+  if (all || shapes.any_stones() || breaking.active || !breaking.growing.empty())
     place(state, shapes, pieces);
   else
     place(state, shapes, near_pieces, pieces);

@@ -296,6 +296,20 @@ TEST(BreakingRanks, DoNotDependOnLists) {
   EXPECT_NE(usual.particles.rebuilds(), other.particles.rebuilds());
 }
 
+// Fragments go on growing into the space they find among all pieces.
+TEST(BreakingRanks, DoNotDependOnListsWhileNothingBreaksAnyMore) {
+  const par::Comm world = par::Comm::world();
+  for (const int breaking : {140, 180, 220}) {  // windows; a fragment grows for ten of them
+    Heap usual(world), other(world, 2.5e-3);
+    for (Heap* heap : {&usual, &other}) {
+      heap->pour(world), heap->run(breaking);
+      heap->particles.let_break(false), heap->run(50);
+    }
+    EXPECT_EQ(usual.particles.state_hash(), other.particles.state_hash());
+    EXPECT_GT(usual.particles.broken().fragments, 5);
+  }
+}
+
 TEST(BreakingRanks, AreBitwiseIdentical) {
   const par::Comm world = par::Comm::world(), self = par::Comm::self();
   Heap shared(world), alone(self);
