@@ -6,7 +6,7 @@ from trackbed_post import contact_forces, measures, read
 from trackbed_post.panels import LINES, MARKERS, curve, plain_ticks, wrapped
 
 COLOURS = ("C0", "C1")
-STAGE_LINES = (":", "-.")  # where a stage of a run begins
+STAGE_LINES = (":", "--", "-.")  # where stages of all runs begin, of the first, of the second
 
 
 class Missing(Exception):
@@ -19,14 +19,17 @@ def needs(holds, what):
 
 
 def mark_stages(panels, runs):
-    """Thin lines where the stages of the runs begin; those of a second run have other dashes if
-    they are at other instants."""
-    begins = [run.time[1:][np.diff(run.stage) != 0] for run in runs]
-    same = all(np.array_equal(begins[0], other) for other in begins[1:])
-    for run, line, own in zip(runs[:1] if same else runs, STAGE_LINES, begins):
-        words = "a stage begins" if same else f"a stage of {run.name} begins"
+    """Thin lines where stages of all runs begin, with other dashes where those of one run do. A run
+    that starts after another one begins with a stage, too."""
+    first = min(run.time[0] for run in runs)
+    begins = [{float(time) for time in run.time[1:][np.diff(run.stage) != 0]}
+              | ({float(run.time[0])} - {float(first)}) for run in runs]
+    common = set.intersection(*begins)
+    parts = [("a stage begins", common)] + [(f"a stage of {run.name} begins", own - common)
+                                            for run, own in zip(runs, begins)]
+    for (words, instants), line in zip(parts, STAGE_LINES):
         for panel in panels:
-            for number, begin in enumerate(own):
+            for number, begin in enumerate(sorted(instants)):
                 panel.axvline(begin, color="0.4", lw=0.8, ls=line, label="_" if number else words)
 
 

@@ -55,7 +55,10 @@ def envelope(runs):
                                label=f"sleepers, {run.name}")
             mark_ends(upper, line, ground_blocks.ends(run),
                       END if run is runs[-1] else HIDDEN)
-        text.append(f"run {run.name}: {judgement.shown(-np.min(ground))} mm")
+        inner = run.sleepers_x[~ground_blocks.ends(run)]
+        judged = (run.ground_x >= inner.min()) & (run.ground_x <= inner.max()) if len(inner) \
+            else np.ones(len(ground), bool)
+        text.append(f"run {run.name}: {judgement.shown(-np.min(ground[judged]))} mm")
     for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
         mark_blocks(panel, runs[0])
         panel.set_ylabel(f"lowest displacement of\n{what}, {UP}")
@@ -66,7 +69,8 @@ def envelope(runs):
             legend_below(panel)
     upper.set_title(wrapped(
         f"Envelope of the {measures.passage_words(runs)}, relative to its beginning; largest "
-        f"downward displacement of the ground's surface, {'; '.join(text)}", 9), fontsize=10)
+        f"downward displacement of the ground's surface, {'; '.join(text)} (without the ends of "
+        "the bed)", 9), fontsize=10)
     return figure
 
 

@@ -47,7 +47,7 @@ def words_of(run: read.Results, stage: str) -> str:
     kinds = {each.get("name"): each.get("kind") for each in run.deck.get("stage", [])}
     passed = kinds.get(stage) == "passage" and (stage != measures.stage_shown(run)
                                                 or measures.train_has_left(run))
-    return (f"end of stage {stage}" + (f", seat load {load / 1e3:.1f} kN" if load else "")
+    return (f"end of stage {stage}" + (f", largest seat load {load / 1e3:.1f} kN" if load else "")
             + ", after the passage" * passed)
 
 

@@ -29,7 +29,7 @@ def warnings_of(run: read.Quantities, deck: read.Deck) -> list[str]:
     if "history/wheel/x" in run:
         counts &= axles.reached(track_stretch.history(run, "wheel/x"), x)
     spacing = float(np.median(np.diff(ground.sleepers)))
-    found = []
+    found: list[str] = []
     for end, outwards, side in ((ground.sleepers[0], -1, ("before", "first")),
                                 (ground.sleepers[-1], 1, ("behind", "last"))):
         aside = outwards * (x - end) / spacing

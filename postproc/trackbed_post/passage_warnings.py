@@ -161,10 +161,12 @@ def _of_pads_of_track(every: read.Quantities, deck: read.Deck) -> list[str]:
     x = every["envelope/x"].values.ravel()
     there = track_stretch.between_run_ins(deck).holds(x) & axles.reached(
         track_stretch.history(every, "wheel/x"), x)
+    left_out = ""
     if ground := track_stretch.ground_of(deck):
         there &= np.array([not ground.at_end(one) for one in x])
+        left_out = " (those at the ends of the ground are left out)"
     least, most = (every[name].values.ravel()[there] for name in names)
-    return _of_pads(x[there], least, most, _remedy(deck))
+    return _of_pads(x[there], least, most, _remedy(deck), left_out)
 
 
 def _remedy(deck: read.Deck) -> str:
@@ -174,8 +176,9 @@ def _remedy(deck: read.Deck) -> str:
 
 
 def _of_pads(x: np.ndarray, least: np.ndarray, most: np.ndarray,
-             remedy: str) -> list[str]:
-    """Of the least and largest load of each seat over which a wheel has run, N, down."""
+             remedy: str, left_out: str = "") -> list[str]:
+    """Of the least and largest load of each seat over which a wheel has run, N, down; `left_out`:
+    which other seats there are."""
     if not len(x):
         return []
     usual = float(np.median(most))
@@ -183,8 +186,8 @@ def _of_pads(x: np.ndarray, least: np.ndarray, most: np.ndarray,
     if usual <= 0 or not pulls.any():
         return []
     k = int(np.argmin(least))
-    return [f"rail pads are in tension at {np.count_nonzero(pulls)} of {len(x)} seats, most at x = "
-            f"{x[k]:.2f} m by {-1e-3 * least[k]:.1f} kN, {-least[k] / usual:.1%} of the load of a "
-            f"seat below a wheel, {1e-3 * usual:.1f} kN (limit {PULLS:.0%}): pads of the model "
-            "transmit tension, fastenings only up to their clamping force, so that rail and "
-            f"sleepers would move apart; {remedy}"]
+    return [f"rail pads are in tension at {np.count_nonzero(pulls)} of {len(x)} "
+            f"seats{left_out}, most at x = {x[k]:.2f} m by {-1e-3 * least[k]:.1f} kN, "
+            f"{-least[k] / usual:.1%} of the load of a seat below a wheel, {1e-3 * usual:.1f} kN "
+            f"(limit {PULLS:.0%}): pads of the model transmit tension, fastenings only up to their "
+            f"clamping force, so that rail and sleepers would move apart; {remedy}"]

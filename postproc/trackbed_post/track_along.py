@@ -31,9 +31,10 @@ def x_of(what, deck):
     return f"{what} from the start of the track{shift}, m"
 
 
-def mark_ground(panel, deck, named=False, only=""):
+def mark_ground(panel, deck, named=False, only="", common=()):
     """Shades the blocks of the ground and marks its ends, with one entry of the legend; `named`:
-    with the names of the blocks, above the curves; `only`: words behind these names."""
+    with the names of the blocks, above the curves; `only`: words behind names that are not those
+    of `common` blocks."""
     ground = track_stretch.ground_of(deck)
     if ground is None:
         return
@@ -41,7 +42,7 @@ def mark_ground(panel, deck, named=False, only=""):
     for x in ground.extent:
         panel.axvline(x, color="0.35", lw=0.9, ls=(0, (6, 3)), label=label)
         label = panels.HIDDEN
-    blocks = [dataclasses.replace(one, label=one.label + only)
+    blocks = [dataclasses.replace(one, label=one.label + only * (one not in common))
               for one in track_stretch.blocks_of(deck)]
     shades.shade(panel, blocks)
     if named and blocks:
@@ -137,6 +138,9 @@ def words_of(names, runs, decks):
         if values and len(values) == len(runs):
             found.append(f"{what} {' and '.join(values)}")
     where = next(iter(over)).strip() if len(over) == 1 else ""
+    grounds = [track_stretch.ground_of(deck) for deck in decks]
+    if where and all(one and len(one.judged) < len(one.sleepers) for one in grounds):
+        where += " without its ends"
     return f"{where} ".lstrip() + ", ".join(found) if found else ""
 
 
@@ -152,7 +156,7 @@ def draw_beside(names, runs, decks):
     alike = all(one and grounds[0] and one.origin == grounds[0].origin
                 and one.extent == grounds[0].extent for one in grounds)
     blocks = [track_stretch.blocks_of(deck) for deck in decks]
-    only = "" if all(one == blocks[0] for one in blocks) else f" ({names[0]})"
+    common = [block for block in blocks[0] if all(block in one for one in blocks)]
     for row, (axis, panel) in enumerate(zip(axes, grid[:, 0])):
         for number, (name, one) in enumerate(zip(names, found)):
             panel.plot(*one[axis], ("-", "--", "-.", ":")[number % 4], lw=1, label=name)
@@ -160,7 +164,7 @@ def draw_beside(names, runs, decks):
         panel.grid(alpha=0.3)
         shade_run_ins(panel, decks)
         if alike:
-            mark_ground(panel, decks[0], row == 0, only)
+            mark_ground(panel, decks[0], row == 0, f" ({names[0]})", common)
     panels.legend_above(grid[0, 0])
     grid[-1, 0].set(xlabel=x_of("x", decks[0] if alike else {}))
     states = [f"{name}: {one}" for name, run, deck in zip(names, runs, decks)

@@ -182,6 +182,9 @@ def draw_wheels(run, length, panel, deck):
         panel.plot(x[:, i], shown[:, i], lw=width, label=panels.axle(i, twice),
                    **panels.curve(number, np.isfinite(shown[:, i]).sum()))
     panel.set(xlabel=track_along.x_of("x of the wheel", deck), ylabel="wheel force, kN")
+    if (axles_of_run := shown.shape[1] // (1 + twice)) > SHOWN_AXLES:
+        panel.set_title(f"{len(drawn) // (1 + twice)} of {axles_of_run} axles", fontsize=9,
+                        loc="right")
 
 
 def receptances(run):
@@ -402,7 +405,8 @@ def sentences(name, run, deck, found):
     between = track_stretch.between_run_ins(deck)
     beside, there = largest_force(run, between.holds(history(run, "wheel/x")))
     if beside > 1e3 * most:
-        text += f"; beside it a larger one{between.words}: {beside / 1e3:.4g} kN, at x = " \
+        largest = found.get(f"largest wheel force{between.words}", (beside / 1e3,))[0]
+        text += f"; beside it a larger one{between.words}: {largest:.4g} kN, near x = " \
             f"{there:.2f} m"
     return [f"{text} from the start of the track{ends}"]
 

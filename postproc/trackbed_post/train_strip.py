@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from trackbed_post import axles, read
 
 BODY = {"facecolor": "#dfe7ef", "edgecolor": "#2f4b66", "lw": 0.8}
-OVERHANG = 0.15          # of the distance of the outer axles, of a body beyond them
+OVERHANG = 2.0           # m, of a body beyond its outer axles, as in the drawing of the model
 FLOOR, ROOF = 0.18, 0.62  # of a row, lower and upper edge of a body
 HEIGHT = 0.42            # inches of a row
 
@@ -63,6 +63,13 @@ def times_at(train: Train, place: float) -> np.ndarray:
                      for k in range(most)]).reshape(most, len(passes))
 
 
+def _speed_at(train: Train, place: float) -> float:
+    """Mean speed of the axles that pass a place, m/s."""
+    passing = [np.gradient(x, train.time)[near] for x in train.x.T
+               if (near := np.abs(x - place) < OVERHANG).sum() > 1 and len(x) > 1]
+    return float(np.nanmean(np.concatenate(passing))) if passing else np.inf
+
+
 def _vehicles(train: Train, times: np.ndarray) -> collections.abc.Iterator[tuple[str, np.ndarray]]:
     """Name and times of the axles of each vehicle, if all have axles at the same distances."""
     count = len(train.vehicles)
@@ -79,7 +86,7 @@ def _draw_row(panel: Axes, train: Train, place: Place, level: int) -> None:
         for name, own in _vehicles(train, times):
             if np.isnan(own).any():
                 continue
-            beyond = OVERHANG * (own.max() - own.min())
+            beyond = OVERHANG / _speed_at(train, place.x)
             begin, end = own.min() - beyond, own.max() + beyond
             panel.add_patch(matplotlib.patches.Rectangle(
                 (begin, level + FLOOR), end - begin, ROOF - FLOOR, **BODY))

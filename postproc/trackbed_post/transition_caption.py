@@ -48,7 +48,7 @@ def with_names(trains: list[Train], texts: list[str]) -> str:
 def forces(trains: list[Train], changes: list[Change], unsound: str) -> str:
     """The largest wheel forces; beside those on plain track, if they are clearly larger."""
     largest = named(trains, (1e-3 * change.force for change in changes), "kN")
-    words = f"Largest wheel force in the transition: {largest}"
+    words = f"Largest wheel force between structure and plain track: {largest}"
     if len(changes) < 2 or unsound:
         return f"{words}."
     found = transition_verdict.differences(trains, changes)["force"]

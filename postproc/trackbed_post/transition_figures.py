@@ -41,7 +41,7 @@ def mark_places(force, level, trains, changes):
             level.plot(x[there], -1e3 * train.rail_down()[there], lw=8, alpha=0.35, color=colour,
                        solid_capstyle="butt", label=f"steepest change, {train.name}")
         force.plot(change.force_x, 1e-3 * change.force, ls="", marker="os"[number], ms=9, mew=1.8,
-                   mfc="none", color=colour, label=f"largest in the transition, {train.name}")
+                   mfc="none", color=colour, label=f"largest of these, {train.name}")
 
 
 def bracket_zones(panel, train, zone):
@@ -121,7 +121,8 @@ def compare(trains, changes, titles, sentence):
         draw_train(force, level, settled, train, style)
     mean = 1e-3 * trains[0].mean_force()
     force.axhline(mean, color="0.3", lw=0.8,
-                  label=f"mean of all wheels on the bed, {judgement.shown(mean)} kN")
+                  label=f"mean of all wheels on the bed, {judgement.shown(mean)} kN"
+                  + f" ({trains[0].name})" * (len(trains) > 1))
     if changes:
         mark_judged(level, trains, changes)
         mark_places(force, level, trains, changes)

@@ -37,8 +37,8 @@ def test_panels_have_their_message_as_title_and_the_rest_is_below_them():
     assert sleepers == (
         "The sleepers' own levels (thin lines) change over 2.7 m instead of 0.5 m, and their "
         "steepest change is 0.20 mm/m instead of 1.0 mm/m: both as expected of a wedge.")
-    assert force == ("Largest wheel force in the transition: 60.0 kN (with wedge) and 60.0 kN "
-                     "(without wedge): no clear effect.")
+    assert force == ("Largest wheel force between structure and plain track: 60.0 kN (with "
+                     "wedge) and 60.0 kN (without wedge): no clear effect.")
     assert plain == ("On plain track the largest wheel force is 60.0 kN (with wedge) and 60.0 kN "
                      "(without wedge).")
     assert limits.startswith(
@@ -225,7 +225,7 @@ def test_the_answer_is_in_the_first_panel_and_ends_of_the_bed_are_marked(monkeyp
     lights, before, whole = figure.axes[1].lines[:3]
     assert max(one.get_alpha() for one in (lights, before)) < 1
     assert whole.get_xdata()[[0, -1]] == pytest.approx(test_transition.X[[3, -4]], abs=0.1)
-    assert "mean of all wheels on the bed, 60.0 kN" in [
+    assert "mean of all wheels on the bed, 60.0 kN (with wedge)" in [
         text.get_text() for text in figure.axes[1].get_legend().texts]
     direction, = [text for text in figure.axes[0].texts
                   if text.get_text() == model_drawing.DIRECTION]

@@ -71,7 +71,7 @@ def with_passage_chains(run, load):
 def test_overview_shows_the_stage_under_load_and_names_it(runs, load, stage):
     run = with_passage_chains(runs[0], load)
     assert contact_forces.under_load(run) == stage
-    words = f"end of stage {stage}, seat load {max(load, 5e3) / 1e3:.1f} kN" + (
+    words = f"end of stage {stage}, largest seat load {max(load, 5e3) / 1e3:.1f} kN" + (
         ", after the passage" if stage == "passage" else "")
     for draw in (bed_on_ground.overview, bed_figures.forces):
         title = draw([run]).axes[0].get_title().replace("\n", " ")

@@ -43,7 +43,9 @@ def test_bodies_are_above_the_wheels_of_each_vehicle():
     figure, panel = plt.subplots()
     train_strip.draw(panel, train(), [train_strip.Place(3.0, "x = 3 m", "C0")])
     bodies = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in panel.patches]
-    assert np.allclose(bodies, [(0.185, 0.315), (0.385, 0.515)], atol=1e-6)
+    beyond = train_strip.OVERHANG / 20  # s, at 20 m/s
+    assert np.allclose(bodies, [(0.2 - beyond, 0.3 + beyond), (0.4 - beyond, 0.5 + beyond)],
+                       atol=1e-6)
     assert [text.get_text() for text in panel.texts] == ["wagon", "wagon", "x = 3 m"]
     plt.close(figure)
 

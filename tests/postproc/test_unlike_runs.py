@@ -60,7 +60,7 @@ def test_lines_where_stages_begin_are_those_of_each_run(runs):
     later = dataclasses.replace(runs[1], stage=np.where(runs[1].time < 0.5, 3, 4))
     for draw in (bed_histories.energy, bed_figures.regions):
         for second, expected in ((runs[1], {":": "a stage begins"}),
-                                 (later, {":": "a stage of wedge begins",
+                                 (later, {"--": "a stage of wedge begins",
                                           "-.": "a stage of no_wedge begins"})):
             panels = draw([runs[0], second]).axes
             panel = panels[0]
@@ -69,6 +69,17 @@ def test_lines_where_stages_begin_are_those_of_each_run(runs):
             legend, = (one.get_legend() for one in panels if one.get_legend())
             assert set(expected.values()) <= {text.get_text() for text in legend.get_texts()}
     plt.close("all")
+
+
+def test_the_first_stage_of_a_run_that_starts_later_has_a_line(runs):
+    """As a variant that starts from a checkpoint of the first run, at which this begins a stage."""
+    start = int(np.flatnonzero(np.diff(runs[0].stage))[0]) + 1
+    later = dataclasses.replace(runs[1], time=runs[1].time[start:], stage=runs[1].stage[start:])
+    figure, panel = plt.subplots()
+    bed_figures.mark_stages([panel], [runs[0], later])
+    lines = {line.get_linestyle(): line.get_xdata()[0] for line in panel.lines}
+    assert lines[":"] == later.time[0] and "-." not in lines
+    plt.close(figure)
 
 
 def test_a_kind_that_a_run_has_not_leaves_no_empty_folder(runs, tmp_path, monkeypatch):
