@@ -57,13 +57,10 @@ double displacement(const Vec4& x, const Vec4& q, const Vec4& x0, const Vec4& q0
          2.1 * x.w * std::sqrt(a * a + b * b + c * c + d * d);
 }
 
-// The piece p of particle b.
-[[gnu::always_inline]] inline void place_piece(const Turn& turn, const State& state,
-                                               const Shapes& shapes, std::size_t b, std::size_t p,
-                                               Pieces& pieces) {
-  const Four o = turn(shapes.piece(shapes.begin(state.shape[b]) + p - pieces.begin[b]));
-  const Vec4& centre = state.x[b];
-  Vec4& x = pieces.x[p];
+// A piece of a particle at its centre; `in_template` relative to that in the template.
+[[gnu::always_inline]] inline void place_piece(const Turn& turn, const Vec4& centre,
+                                               const Vec4& in_template, Vec4& x) {
+  const Four o = turn(in_template);
   x.x = centre.x + o[0], x.y = centre.y + o[1], x.z = centre.z + o[2];
 }
 
@@ -78,8 +75,9 @@ void place(const State& state, const Shapes& shapes, Pieces& pieces) {
   for (std::size_t b = 0; b < state.size(); ++b) {
     const Vec4& centre = state.x[b];
     const Turn turn(state.q[b], state.scale_now(b));
+    const std::size_t first = shapes.begin(state.shape[b]) - pieces.begin[b];
     for (std::size_t p = pieces.begin[b]; p < pieces.begin[b + 1]; ++p)
-      place_piece(turn, state, shapes, b, p, pieces);
+      place_piece(turn, centre, shapes.piece(first + p), pieces.x[p]);
     if (!stones) continue;
     Vec4* columns = pieces.turns.data() + 3 * b;
     put(columns[0], turn.x), put(columns[1], turn.y), put(columns[2], turn.z);
@@ -98,8 +96,13 @@ void place(const State& state, const Shapes& shapes, std::span<const std::int32_
     const std::int32_t body = pieces.body[static_cast<std::size_t>(*piece)];
     const auto b = static_cast<std::size_t>(body);
     const Turn turn(state.q[b], state.scale_now(b));
-    for (; piece != wanted.end() && pieces.body[static_cast<std::size_t>(*piece)] == body; ++piece)
-      place_piece(turn, state, shapes, b, static_cast<std::size_t>(*piece), pieces);
+    const Vec4 centre = state.x[b];
+    const std::size_t first = shapes.begin(state.shape[b]) - pieces.begin[b];
+    for (; piece != wanted.end() && pieces.body[static_cast<std::size_t>(*piece)] == body;
+         ++piece) {
+      const auto p = static_cast<std::size_t>(*piece);
+      place_piece(turn, centre, shapes.piece(first + p), pieces.x[p]);
+    }
   }
 }
 
