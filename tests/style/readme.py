@@ -40,12 +40,13 @@ SENTENCES = {
     f"and {N} m behind it with the wedge": ((SLEEPERS_REACHED, 1), (SLEEPERS_REACHED, 0)),
     f"change of the sleepers' own levels is {N} mm/m without the wedge and {N} mm/m with it, on "
     f"plain track up to {N} mm/m": ((SLEEPERS, 1), (SLEEPERS, 0), (SLEEPERS_PLAIN, max)),
-    f"no sleeper settles by more than {N} mm with the wedge and {N} mm without":
+    f"no sleeper but the three at each end settles by more than {N} mm with the wedge and {N} mm "
+    "without":
         ((SETTLEMENT, 0), (SETTLEMENT, 1)),
     f"sleepers whose levels differ by up to {N} mm": ((UNEVENNESS, max),),
     f"wheel force in the transition is {N} kN with the wedge and {N} kN without, on plain track "
-    f"{N} and {N} kN; the mean over the bed is {N} kN":
-        ((FORCE, 0), (FORCE, 1), (ON_PLAIN, 0), (ON_PLAIN, 1), (MEAN, 0)),
+    f"{N} and {N} kN; the mean over the bed is {N} and {N} kN":
+        ((FORCE, 0), (FORCE, 1), (ON_PLAIN, 0), (ON_PLAIN, 1), (MEAN, 0), (MEAN, 1)),
 }
 
 
