@@ -31,26 +31,24 @@ struct ExactTerm {
 template <class TermAt>
 std::vector<double> exact_totals(const Comm& comm, const ExactLayout& layout, std::size_t count,
                                  TermAt&& term) {
-  std::vector<std::size_t> range_of(layout.sums);  // a division for each term would cost more
-  for (std::size_t k = 0; k < layout.sums; ++k) range_of[k] = k % layout.ranges;
   std::vector<double> largest(layout.ranges, 0.0);
   std::vector<std::int64_t> terms(layout.ranges, 0);
   for (std::size_t k = 0; k < count; ++k) {
     const auto [sum, value] = term(k);
-    double& range = largest[range_of[sum]];
+    double& range = largest[sum % layout.ranges];
     range = std::max(range, std::abs(value));
-    ++terms[range_of[sum]];
+    ++terms[sum % layout.ranges];
   }
   comm.max(std::span(largest));
   comm.sum(std::span(terms));
   const auto summed = [&](std::size_t sum) {
-    return largest[range_of[sum]] > 0 && std::isfinite(largest[range_of[sum]]);
+    return largest[sum % layout.ranges] > 0 && std::isfinite(largest[sum % layout.ranges]);
   };
   std::vector<ExactSum> sums;
   for (std::size_t k = 0; k < layout.sums; ++k)
-    sums.emplace_back(
-        summed(k) ? exact_quantum(largest[range_of[k]] * static_cast<double>(terms[range_of[k]]))
-                  : 1.0);
+    sums.emplace_back(summed(k) ? exact_quantum(largest[k % layout.ranges] *
+                                                static_cast<double>(terms[k % layout.ranges]))
+                                : 1.0);
   for (std::size_t k = 0; k < count; ++k)
     if (const auto [sum, value] = term(k); summed(sum)) sums[sum].add(value);
   std::vector<std::int64_t> counts;
@@ -59,7 +57,7 @@ std::vector<double> exact_totals(const Comm& comm, const ExactLayout& layout, st
   std::vector<double> values;
   for (std::size_t k = 0; k < layout.sums; ++k) {
     sums[k].count() = counts[k];
-    values.push_back(summed(k) ? sums[k].value() : largest[range_of[k]]);
+    values.push_back(summed(k) ? sums[k].value() : largest[k % layout.ranges]);
   }
   return values;
 }
