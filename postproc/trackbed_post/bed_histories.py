@@ -1,8 +1,8 @@
-"""Figures of histories within the bed: sensors, stress paths of regions, energies."""
+"""Figures of histories within the bed: sensors, stress paths, energies."""
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import figure_csv, measures, signals, train_strip
+from trackbed_post import measures, signals, stress_paths, train_strip
 from trackbed_post.bed_figures import COLOURS, mark_stages, needs
 from trackbed_post.panels import LINES, UP, curve, legend_below, wrapped
 
@@ -17,14 +17,15 @@ def time_in_passage(run):
     return rows, run.time[rows] - run.time[rows][0], words
 
 
-def sensors(runs):
-    """Vertical motion of each sensor in the passage; displacement since the passage began."""
+def sensors(runs, origin=0.0):
+    """Vertical motion of each sensor in the passage; displacement since the passage began. The
+    sensors' x = 0 is at `origin`, m, in the coordinate of the wheels."""
     needs(all(run.sensors for run in runs), "the results contain no sensors")
     panels = {"displacement": f"displacement ({UP})", "velocity": "velocity (mm/s, up)",
               "acceleration": "acceleration (m/s2, up)"}
     names = list(dict.fromkeys(name for run in runs for name in run.sensors))
     train = train_strip.of_passage(runs[0])
-    places = [train_strip.Place(sensor["at"][0], f"{sensor['name']}, x = {sensor['at'][0]:g} m",
+    places = [train_strip.Place(x := sensor["at"][0] + origin, f"{sensor['name']}, x = {x:g} m",
                                 curve(names.index(sensor["name"]), 1)["color"])
               for sensor in runs[0].deck.get("sensor", []) if sensor["name"] in names]
     shown = places[:MOST]
@@ -52,45 +53,6 @@ def sensors(runs):
         f"{run.name} ({words})" for run, words in zip(runs, ("lines", "dashed"))) + few,
         fontsize=10)
     axes[-1].set_xlabel(label)
-    return figure
-
-
-def unbroken(angle):
-    """Angles between -90 and 90 degrees without the jumps from one end to the other."""
-    jumps = np.abs(np.diff(angle, prepend=angle[:1])) > 90
-    return np.where(jumps, np.nan, angle)
-
-
-def stress_paths(runs):
-    """Of each region in the passage: deviatoric over mean stress, and the direction of the largest
-    compression; means over the cells of a region."""
-    needs(all(run.regions for run in runs), "the results contain no regions")
-    plane = runs[0].deck.get("dimension") == "plane"
-    figure, (path, turn) = plt.subplots(1, 2, figsize=(11, 5))
-    for run, style in zip(runs, LINES):
-        rows, time, label = time_in_passage(run)
-        for number, (name, region) in enumerate(run.regions.items()):
-            stress = region["stress"].values[rows].mean(axis=1)
-            mean, deviator = measures.invariants(stress, plane)
-            text = f"{run.name}: {name}"
-            look = curve(number, len(time))
-            path.plot(mean / 1e3, deviator / 1e3, style, lw=0.8, label=text, **look)
-            start, = path.plot(mean[0] / 1e3, deviator[0] / 1e3, look["marker"],
-                               color=look["color"])
-            figure_csv.name(start, f"{text}, start")
-            turn.plot(time, unbroken(np.degrees(measures.principal_direction(stress))), style,
-                      lw=0.8, label=text, **look)
-    path.set_xlabel("s = (s1 + s3)/2 (kPa)" if plane else "mean compression p (kPa)")
-    path.set_ylabel("t = (s1 - s3)/2 (kPa)" if plane else "deviatoric stress q (kPa)")
-    path.set_title("Stress paths (filled: start)", fontsize=10)
-    turn.set_xlabel(label)
-    turn.set_ylabel("major principal stress in the plane of x and z:\ninclination from the "
-                    "vertical, positive towards +x (degrees)")
-    turn.set_ylim(-90, 90)
-    turn.set_title("Rotation of the principal stress", fontsize=10)
-    for panel in (path, turn):
-        panel.grid(alpha=0.3)
-        panel.legend(fontsize=8)
     return figure
 
 
@@ -178,5 +140,5 @@ def energy_split(runs):
     return figure
 
 
-FIGURES = {"energy": energy, "sensors": sensors, "stress_paths": stress_paths,
+FIGURES = {"energy": energy, "sensors": sensors, "stress_paths": stress_paths.draw,
            "energy_split": energy_split}

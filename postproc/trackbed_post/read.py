@@ -115,10 +115,15 @@ class Results:
 
     def passage_name(self) -> str:
         """What the rows of `passage` are, in titles and on axes."""
+        if not len(self.stage):
+            return "run"
         return "passage" if self.has_passage() else "last stage"
 
     def passage(self) -> slice:
-        """Rows of the histories during the train's passage; of the last stage if there is none."""
+        """Rows of the histories during the train's passage; of the last stage if there is none; all
+        of a model without stages."""
+        if not len(self.stage):
+            return slice(0, len(self.time))
         rows = np.flatnonzero(self.stage == self._last_passage())
         if not len(rows):
             rows = np.flatnonzero(self.stage == self.stage[-1])

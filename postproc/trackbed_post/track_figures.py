@@ -13,8 +13,9 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import (panels, passage_warnings, read, receptance_figure, signals,
-                           third_octaves, track_along, track_measures, track_stretch, train_strip)
+from trackbed_post import (bed_histories, panels, passage_warnings, read, receptance_figure,
+                           signals, stress_paths, third_octaves, track_along, track_measures,
+                           track_stretch, train_strip)
 from trackbed_post.track_stretch import history, run_in_of, two_rails
 
 FILTER = signals.LowPass()
@@ -411,6 +412,15 @@ def sentences(name, run, deck, found):
     return [f"{text} from the start of the track{ends}"]
 
 
+def sensors_in_ground(folder, deck):
+    """Name and figure of the motion of sensors in the ground, and of stress paths there."""
+    run, ground = read.results(folder), track_stretch.ground_of(deck)
+    if ground is not None and run.sensors:
+        yield "sensors", bed_histories.sensors([run], ground.origin)
+        if stress_paths.of_ground(run):
+            yield "stress_paths", stress_paths.draw([run])
+
+
 def draw_into(results, folder):
     """Pictures and table of one run; `results`: its folder, in a list."""
     run, deck, found = opened(results[0])
@@ -423,6 +433,8 @@ def draw_into(results, folder):
     if of_points := receptances(run):
         folder.picture("receptance", receptance_figure.draw(*of_points))
         folder.file("receptance.csv", receptance_figure.table(*of_points))
+    for name, figure in sensors_in_ground(results[0], deck):
+        folder.picture(name, figure)
     wide = max(map(len, found), default=0)
     text = "".join(f"{name:{wide}} {value:10.4g} {unit}\n" for name, (value, unit) in found.items())
     name = results[0].resolve().name

@@ -50,6 +50,7 @@ constexpr std::array column_axes = {
     ColumnAxis{"history/region", "fabric", none, "cell_component", of_cells},
     ColumnAxis{"history/region", "", none, "cell", "x fastest, then y"},
     ColumnAxis{"history/sensor", "stress", none, "stress_component", "xx yy zz xy xz yz"},
+    ColumnAxis{"history/sensor", "stress_static", none, "stress_component", "xx yy zz xy xz yz"},
     ColumnAxis{"history", "attitude", none, "quaternion", "x y z w"},
     ColumnAxis{"history", "", none, "component", "x y z"},
     ColumnAxis{"envelope/ground", "", {"ground/x", ""}, "place", along},

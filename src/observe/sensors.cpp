@@ -229,7 +229,8 @@ std::vector<SensorReading> Sensors::read(const dem::Particles* particles,
     readings.push_back({.displacement = state.displacement,
                         .velocity = state.velocity,
                         .acceleration = state.acceleration,
-                        .stress = state.stress});
+                        .stress = state.stress,
+                        .stress_static = state.stress_static});
   }
   return readings;
 }
@@ -273,12 +274,12 @@ void put_readings(const std::vector<Sensor>& sensors, std::span<const SensorRead
     to.put(group + "displacement", {"m", "x y z, " + of + since}, reading.displacement);
     to.put(group + "velocity", {"m/s", "x y z, " + of}, reading.velocity);
     to.put(group + "acceleration", {"m/s2", "x y z, " + of + ", no filter"}, reading.acceleration);
-    if (in_ground)
-      to.put(group + "stress",
-             {"Pa",
-              "at the centre of the element, xx yy zz xy xz yz, tension positive, relative "
-              "to static equilibrium"},
-             reading.stress);
+    if (!in_ground) continue;
+    const std::string where = "at the centre of the element, xx yy zz xy xz yz, tension positive, ";
+    to.put(group + "stress", {"Pa", where + "relative to static equilibrium"}, reading.stress);
+    to.put(group + "stress_static",
+           {"Pa", where + "in static equilibrium; the total stress is the sum of both"},
+           reading.stress_static);
   }
 }
 

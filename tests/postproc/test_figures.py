@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from trackbed_post import (bed_figures, bed_histories, bed_on_ground, bed_warnings,
                            contact_forces, figure_csv, ground_blocks, ground_transition, measures,
-                           read, sleeper_histories, support, support_figure, write)
+                           read, sleeper_histories, stress_paths, support, support_figure, write)
 
 
 def test_figures_of_two_runs_are_drawn(runs, tmp_path):
@@ -320,8 +320,31 @@ def test_a_sleeper_that_rises_while_it_is_loaded_has_no_known_gap(runs):
 
 
 def test_directions_that_turn_over_are_not_joined():
-    shown = bed_on_ground.bed_histories.unbroken(np.array([80.0, 88.0, -88.0, -80.0]))
+    shown = stress_paths.unbroken(np.array([80.0, 88.0, -88.0, -80.0]))
     assert np.isnan(shown[2]) and np.isfinite(shown[[0, 1, 3]]).all()
+
+
+def test_paths_in_the_ground_are_those_of_the_total_stress(runs):
+    """A shear stress of up to 10 kPa on compressions of 15 and 35 kPa by the weight of the ground:
+    by Mohr's circle the direction turns by half the angle whose tangent is 10/((35 - 15)/2)."""
+    shear = 10e3 * np.sin(runs[0].time)[:, None]
+    soil = {name: read.Quantity(np.array([components]) * factor, "Pa", "made")
+            for name, factor, components in (
+                ("stress", shear, [0, 0, 0, 0, -1, 0]),
+                ("stress_static", np.ones_like(shear), [-15e3, -20e3, -35e3, 0, 0, 0]))}
+    run = dataclasses.replace(runs[0], sensors={"soil": soil}, regions={})
+    path, turn = stress_paths.draw([run]).axes
+    rows = run.passage()
+    p, q = path.lines[0].get_data()
+    assert p == pytest.approx(np.full(len(p), (15 + 20 + 35) / 3))
+    second = ((15 - 20)**2 + (20 - 35)**2 + (15 - 35)**2) / 6 + 1e-6 * shear[rows, 0]**2
+    assert q == pytest.approx(np.sqrt(3 * second))
+    assert turn.lines[0].get_ydata() == pytest.approx(
+        np.degrees(np.arctan2(1e-3 * shear[rows, 0], 10) / 2))
+    assert turn.lines[0].get_label() == f"{run.name}: soil (ground)"
+    without = dataclasses.replace(run, sensors={"soil": {"stress": soil["stress"]}})
+    with pytest.raises(bed_figures.Missing, match="neither regions nor sensors in the ground"):
+        stress_paths.draw([without])
 
 
 def test_sensors_show_the_vertical_motion_in_the_passage(runs):

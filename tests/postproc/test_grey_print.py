@@ -8,7 +8,8 @@ import test_track
 import test_train
 
 from trackbed_post import (bed_figures, bed_histories, bed_on_ground, panels, read,
-                           stage_histories, support_figure, track_figures, train_figures)
+                           stage_histories, stress_paths, support_figure, track_figures,
+                           train_figures)
 
 
 @pytest.fixture(autouse=True)
@@ -34,7 +35,7 @@ def require_distinct(shown, least):
 @pytest.mark.parametrize("draw, least", [
     (stage_histories.stages, 6), (support_figure.draw, 6), (bed_on_ground.envelope, 2),
     (bed_on_ground.spectra, 2), (bed_histories.energy, 2), (bed_figures.grading, 2),
-    (bed_figures.forces, 2), (bed_figures.section, 2), (bed_histories.stress_paths, 2),
+    (bed_figures.forces, 2), (bed_figures.section, 2), (stress_paths.draw, 2),
     (bed_figures.regions, 2)])
 def test_lines_of_two_runs(runs, draw, least):
     require_distinct(draw(runs).axes, least)

@@ -9,8 +9,8 @@ import pytest
 import test_train
 import test_transition
 from trackbed_post import (axles, bed_histories, bed_on_ground, curves, figure_csv,
-                           model_drawing, panels, stage_histories, support_figure, train_figures,
-                           train_strip, transition, transition_figures)
+                           model_drawing, panels, stage_histories, stress_paths, support_figure,
+                           train_figures, train_strip, transition, transition_figures)
 
 
 @pytest.mark.parametrize("wheels, two_rails, names", [
@@ -99,7 +99,7 @@ def test_lines_in_csv_have_the_run_and_panels_short_names(monkeypatch, runs):
         for what in (", each node", " (bold: mean over one sleeper spacing)")}
     stages = names_in_csv(stage_histories.stages(runs))
     assert list(stages) == ["stage load", "stage passage"]
-    for figure in (shown, support, bed_histories.stress_paths(runs), train_figures.draw(
+    for figure in (shown, support, stress_paths.draw(runs), train_figures.draw(
             train_figures.Passing(*test_train.made()), []), bed_on_ground.envelope(runs)):
         assert not any(name.startswith("line ") for names in names_in_csv(figure).values()
                        for name in names)

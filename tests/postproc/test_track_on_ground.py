@@ -2,11 +2,13 @@
 import math
 
 import conftest
+import h5py
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 import track_on_ground
-from trackbed_post import (passage_warnings, track_along, track_figures, track_stretch,
-                           write)
+from trackbed_post import (passage_warnings, stress_paths, track_along, track_figures,
+                           track_stretch, train_strip, write)
 
 
 @pytest.mark.parametrize("kind", ["transition", "train", "bed"])
@@ -129,6 +131,39 @@ def test_figures_show_the_ground_its_blocks_and_both_origins(tmp_path):
                               "seat load up to 20 kN")
     assert "rail lowered by up to 2 mm (a) and 2 mm (b)" in titles[2]
     plt.close("all")
+
+
+def test_sensors_in_the_ground_are_below_the_train(monkeypatch, tmp_path):
+    """At x = 3.25 m of the ground, 13 m from the start of the track, over which the second axle is
+    one tenth of a second after the first one. The ground has no weight; a stress that turns."""
+    sensor = '[[sensor]]\nname = "soil"\nkind = "ground"\nat = [3.25, 0.0, -1.0]\n'
+    folder = track_on_ground.folder(tmp_path / "w", deck=track_on_ground.DECK + sensor)
+    with h5py.File(folder / "results.h5", "r+") as file:
+        turn = np.pi * file["history/time"][()].ravel() / file["history/time"][-1].item()
+        none = np.zeros_like(turn)
+        for name, columns in {
+                "displacement": [none] * 3, "velocity": [none] * 3, "acceleration": [none] * 3,
+                "stress": [-5e3 - 2e3 * np.cos(turn), none - 5e3, -5e3 + 2e3 * np.cos(turn), none,
+                           -2e3 * np.sin(turn), none], "stress_static": [none] * 6}.items():
+            one = file.create_dataset(f"history/sensor/soil/{name}", data=np.stack(columns, 1))
+            one.attrs["units"], one.attrs["long_name"] = "-", "made for a test"
+    marked = []
+    monkeypatch.setattr(train_strip, "mark", lambda panel, train, place: marked.append(
+        (place.words, train_strip.times_at(train, place.x).ravel())))
+    figures = dict(track_figures.sensors_in_ground(folder, track_figures.deck_of(folder)))
+    words, times = marked[0]
+    assert words == "soil, x = 13 m" and times == pytest.approx([13 / 20, 15 / 20])
+    label = "w: soil (ground, without its weight)"
+    angle, = [one.get_ydata() for one in figures["stress_paths"].axes[1].lines
+              if one.get_label() == label]
+    assert angle[2:-1] == pytest.approx(np.degrees(np.pi - turn[2:-1]) / 2)  # 90 is also -90
+    plt.close("all")
+
+
+def test_direction_of_a_faint_stress_is_not_shown():
+    stress = np.zeros((4, 6))
+    stress[:, 2] = -10e3, -1.1e3, -0.9e3, 0
+    assert np.isfinite(stress_paths.direction(stress)).tolist() == [True, True, False, False]
 
 
 def test_blocks_of_one_run_only_are_named_as_its_own(tmp_path):

@@ -105,7 +105,8 @@ def check_resume(program, deck, folder):
             "history/region/below/fabric": ("time", "cell_component"),
             "history/sensor/stone/displacement": ("time", "component"),
             "history/sensor/stone/stones": ("time",),
-            "history/sensor/soil/stress": ("time", "stress_component")}
+            "history/sensor/soil/stress": ("time", "stress_component"),
+            "history/sensor/soil/stress_static": ("time", "stress_component")}
     program.done(2, "run", deck, "output.stop_after=700", "-o", folder, code=3)
     for change, sentence in OTHER_ROWS.items():
         ran = program.done(1, "resume", folder, "-o", folder / "other", change, code=2)

@@ -207,11 +207,12 @@ struct GroundPoint {
 };
 
 // At such a place: motion by the element's shape functions; stress at the element's centre, Pa,
-// xx yy zz xy xz yz, tension positive. Both are changes since static equilibrium.
+// xx yy zz xy xz yz, tension positive. The total stress is the sum of both.
 struct GroundPointState {
-  Vec3 displacement = Vec3::Zero(), velocity = Vec3::Zero();  // m, m/s
+  Vec3 displacement = Vec3::Zero(), velocity = Vec3::Zero();  // m, m/s, since static equilibrium
   Vec3 acceleration = Vec3::Zero();                           // m/s^2
-  std::array<double, 6> stress{};
+  std::array<double, 6> stress{};                             // since static equilibrium
+  std::array<double, 6> stress_static{};                      // in static equilibrium
 };
 
 class Ground {

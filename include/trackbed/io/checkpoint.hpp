@@ -12,7 +12,7 @@
 namespace trackbed::io {
 
 // Raised with every change of what a checkpoint holds.
-inline constexpr std::int64_t checkpoint_format = 15;
+inline constexpr std::int64_t checkpoint_format = 16;
 
 // Writes `folder/name` by calling `fill` with the open file, verifies it and updates
 // `folder/latest`. On failure it throws RunError (on all ranks) and leaves the previous checkpoint

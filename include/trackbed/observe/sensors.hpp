@@ -41,7 +41,8 @@ struct SensorReading {
   Vec3 displacement = Vec3::Constant(none);
   Vec3 velocity = Vec3::Constant(none);      // m/s
   Vec3 acceleration = Vec3::Constant(none);  // m/s^2
-  std::array<double, 6> stress{};  // Pa, of the ground: xx yy zz xy xz yz, tension positive
+  // Pa, of the ground: xx yy zz xy xz yz, tension positive; since static equilibrium, and in it.
+  std::array<double, 6> stress{}, stress_static{};
 };
 
 // The same on all ranks; readings are bitwise identical on any number of ranks (with an implicit

@@ -77,7 +77,8 @@ std::vector<double> shape_at(const Mesh& mesh, const Vec3& xi) {
   return shape;
 }
 
-constexpr std::size_t motion_numbers = 9;  // displacement, velocity, acceleration
+constexpr std::size_t motion_numbers = 9;   // displacement, velocity, acceleration
+constexpr std::size_t stress_numbers = 12;  // since static equilibrium, and in it
 
 }  // namespace
 
@@ -115,7 +116,7 @@ std::vector<GroundPointState> Ground::states_at(std::span<const GroundPoint> poi
   const Impl& impl = *impl_;
   const Mesh& mesh = impl.mesh;
   const auto corners = static_cast<std::size_t>(mesh.corners());
-  const std::size_t numbers = corners * motion_numbers + 6;
+  const std::size_t numbers = corners * motion_numbers + stress_numbers;
   std::vector<double> values(points.size() * numbers, 0.0);
   for (std::size_t p = 0; p < points.size(); ++p) {
     const std::int64_t held = mesh.local_element(points[p].element);
@@ -131,10 +132,12 @@ std::vector<GroundPointState> Ground::states_at(std::span<const GroundPoint> poi
         for (const double number : impl.vector(*of, node)) *at++ = number;
     }
     if (!mesh.writes(element)) continue;
-    const Vec6 stress = impl.stress(element, Plasticity::Where::centre, Plasticity::When::since);
-    constexpr std::array order{0, 1, 2, 3, 5, 4};  // xy yz zx to xy xz yz
-    for (const int component : order)
-      *to++ = stress[component] + 0.0;  // no -0, which sums have not
+    for (const Plasticity::When when : {Plasticity::When::since, Plasticity::When::static_}) {
+      const Vec6 stress = impl.stress(element, Plasticity::Where::centre, when);
+      constexpr std::array order{0, 1, 2, 3, 5, 4};  // xy yz zx to xy xz yz
+      for (const int component : order)
+        *to++ = stress[component] + 0.0;  // no -0, which sums have not
+    }
   }
   mesh.comm.sum(std::span(values));
   std::vector<GroundPointState> states;
@@ -147,6 +150,7 @@ std::vector<GroundPointState> Ground::states_at(std::span<const GroundPoint> poi
         from += 3;
       }
     std::copy_n(from, 6, state.stress.begin());
+    std::copy_n(from + 6, 6, state.stress_static.begin());
     states.push_back(state);
   }
   return states;

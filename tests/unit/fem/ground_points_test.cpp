@@ -21,10 +21,12 @@ std::vector<Vec3> uneven_load(const Surface& top, int window) {
   return force;
 }
 
-// A place with displacement, velocity, acceleration and stress there.
+// Displacement, velocity, acceleration, stress since static equilibrium and stress in it.
+constexpr std::size_t numbers = 21;
+
 struct Known {
   std::array<double, 3> at{};
-  std::array<double, 15> values{};
+  std::array<double, numbers> values{};
   Vec3 place() const { return {at[0], at[1], at[2]}; }
 };
 
@@ -34,8 +36,8 @@ std::vector<Known> centres(const Comm& comm, const Ground& ground) {
   const io::Grid grid = ground.fields();
   const bool bricks = grid.kind == io::CellKind::hexahedron;
   const std::size_t nodes = bricks ? 8 : 10;
-  const io::FieldData& stress = grid.cell_data[0];
-  EXPECT_EQ(stress.name, "stress_change");
+  EXPECT_EQ(grid.cell_data[0].name, "stress_change");
+  EXPECT_EQ(grid.cell_data[1].name, "stress_static");
   std::vector<Known> mine;
   for (std::size_t c = 0; c < grid.cells.size() / nodes; ++c) {
     Known one;
@@ -48,9 +50,11 @@ std::vector<Known> centres(const Comm& comm, const Ground& ground) {
         for (std::size_t a = 0; a < 3; ++a)
           one.values[3 * q + a] += weight * grid.point_data[q].values[3 * point + a];
     }
-    const double* s = &stress.values[6 * c];  // xx yy zz xy yz zx
-    const std::array<double, 6> in_order{s[0], s[1], s[2], s[3], s[5], s[4]};
-    std::copy(in_order.begin(), in_order.end(), one.values.begin() + 9);
+    for (const std::ptrdiff_t field : {0, 1}) {
+      const double* s = &grid.cell_data[field].values[6 * c];  // xx yy zz xy yz zx
+      const std::array<double, 6> in_order{s[0], s[1], s[2], s[3], s[5], s[4]};
+      std::copy(in_order.begin(), in_order.end(), one.values.begin() + 9 + 6 * field);
+    }
     mine.push_back(one);
   }
   return comm.all_gather(std::span<const Known>(mine));
@@ -64,22 +68,23 @@ void expect_states(const Comm& comm, const Ground& ground, const std::vector<Kno
   for (const Known& one : known) places.push_back(one.place());
   const std::vector<GroundPoint> points = ground.locate(places);
   const std::vector<GroundPointState> states = ground.states_at(points);
-  std::array<double, 4> largest{};
+  std::array<double, 5> largest{};
+  const auto kind = [](std::size_t k) { return k < 9 ? k / 3 : 3 + (k - 9) / 6; };
   for (const Known& one : known)
-    for (std::size_t k = 0; k < 15; ++k)
-      largest[std::min<std::size_t>(k / 3, 3)] =
-          std::max(largest[std::min<std::size_t>(k / 3, 3)], std::abs(one.values[k]));
+    for (std::size_t k = 0; k < numbers; ++k)
+      largest[kind(k)] = std::max(largest[kind(k)], std::abs(one.values[k]));
   for (const double most : largest) EXPECT_GT(most, 0);
   for (std::size_t p = 0; p < known.size(); ++p) {
     ASSERT_GE(points[p].element, 0) << known[p].place().transpose();
     const GroundPointState& state = states[p];
-    for (std::size_t k = 0; k < 15; ++k) {
+    for (std::size_t k = 0; k < numbers; ++k) {
       const int a = static_cast<int>(k % 3);
-      const double value = k < 3   ? state.displacement[a]
-                           : k < 6 ? state.velocity[a]
-                           : k < 9 ? state.acceleration[a]
-                                   : state.stress[k - 9];
-      ASSERT_NEAR(value, known[p].values[k], rounding * largest[std::min<std::size_t>(k / 3, 3)])
+      const double value = k < 3    ? state.displacement[a]
+                           : k < 6  ? state.velocity[a]
+                           : k < 9  ? state.acceleration[a]
+                           : k < 15 ? state.stress[k - 9]
+                                    : state.stress_static[k - 15];
+      ASSERT_NEAR(value, known[p].values[k], rounding * largest[kind(k)])
           << "number " << k << " at " << known[p].place().transpose() << " of " << comm.size();
     }
   }
