@@ -26,7 +26,9 @@ enum Quantity : std::size_t {
   contacts,
   force,
   speed,
+  speed_squared,
   stone_force,
+  stone_force_squared,
   stress,
   fabric = stress + 6,
   quantities = fabric + 6
@@ -210,7 +212,9 @@ void add_stones(const dem::Particles& particles, const Cells& cells, Sums& sums)
              if (const auto cell = cells.at(centre)) {
                sums.add(*cell, stones, 1);
                sums.add(*cell, speed, stone.velocity.norm());
+               sums.add(*cell, speed_squared, stone.velocity.squaredNorm());
                sums.add(*cell, stone_force, stone.force.norm());
+               sums.add(*cell, stone_force_squared, stone.force.squaredNorm());
              }
              if (const auto whole = cells.around(centre, reach)) {
                sums.add(*whole, solid, stone.volume), sums.add(*whole, mass, stone.mass);
@@ -271,6 +275,10 @@ void add_contacts(const dem::Particles& particles, const Cells& cells, Sums& sum
 
 Measurement measured_of(const double* sum, double volume) {
   const auto mean = [](double total, double count) { return count > 0 ? total / count : 0; };
+  const auto deviation = [&](double total, double squares) {
+    const double middle = mean(total, sum[stones]);
+    return std::sqrt(std::max(0.0, mean(squares, sum[stones]) - middle * middle));
+  };
   Measurement m;
   m.porosity = 1 - sum[solid] / volume;
   m.bulk_density = sum[mass] / volume;
@@ -279,7 +287,9 @@ Measurement measured_of(const double* sum, double volume) {
   m.contacts = sum[contacts];
   m.contact_force = mean(sum[force], sum[contacts]);
   m.speed = mean(sum[speed], sum[stones]);
+  m.speed_deviation = deviation(sum[speed], sum[speed_squared]);
   m.stone_force = mean(sum[stone_force], sum[stones]);
+  m.stone_force_deviation = deviation(sum[stone_force], sum[stone_force_squared]);
   for (std::size_t k = 0; k < 6; ++k) {
     m.stress[k] = sum[stress + k] / volume;
     m.fabric[k] = mean(sum[fabric + k], sum[contacts]);
@@ -306,7 +316,7 @@ void Region::declare(input::Section& s) {
   const bool whole =
       std::all_of(cells.begin(), cells.end(), [](double n) { return n == std::floor(n); });
   s.rule("cells", whole, "must be whole numbers");
-  // Each cell has 22 numbers in every row of the histories.
+  // Each cell has 24 numbers in every row of the histories.
   constexpr double most = 1e4;
   const double all = std::accumulate(cells.begin(), cells.end(), 1.0, std::multiplies<>());
   s.rule("cells", all <= most,

@@ -57,9 +57,11 @@ std::vector<Column> region_columns(const std::string& name) {
       {group + "contacts", {"-", "number of contacts with their branch midpoint in the cell"}},
       {group + "contact_force", {"N", "mean magnitude of the contact forces"}},
       {group + "speed", {"m/s", "mean of the stones with their centre in the cell"}},
+      {group + "speed_deviation", {"m/s", "standard deviation over these stones"}},
       {group + "largest_speed", {"m/s", "of these stones"}},
       {group + "stone_force",
        {"N", "mean magnitude of the sum of the contact forces on one of these stones"}},
+      {group + "stone_force_deviation", {"N", "standard deviation of it over these stones"}},
       {group + "largest_stone_force", {"N", "largest magnitude of this sum"}},
       {group + "stress", {"Pa", "Love-Weber, xx yy zz xy xz yz of each cell, tension positive"}},
       {group + "fabric", {"-", "mean n n^T of the contacts' normals, components as of stress"}}};
@@ -377,7 +379,8 @@ void Results::Impl::sample_regions(const dem::Particles& particles) {
     for (const auto figure :
          {&Measurement::porosity, &Measurement::bulk_density, &Measurement::stones,
           &Measurement::coordination, &Measurement::contacts, &Measurement::contact_force,
-          &Measurement::speed, &Measurement::largest_speed, &Measurement::stone_force,
+          &Measurement::speed, &Measurement::speed_deviation, &Measurement::largest_speed,
+          &Measurement::stone_force, &Measurement::stone_force_deviation,
           &Measurement::largest_stone_force})
       put(1, [&](const Measurement& cell) { return &(cell.*figure); });
     for (const auto tensor : {&Measurement::stress, &Measurement::fabric})

@@ -37,9 +37,9 @@ struct Measurement {
   double contacts = 0;       // number of contacts whose branch midpoint is in it
   double contact_force = 0;  // N, mean magnitude
   // Of the stones with their centre in it: speed of the centre, m/s, and magnitude of the sum of
-  // the contact forces on a stone, N.
-  double speed = 0, largest_speed = 0;
-  double stone_force = 0, largest_stone_force = 0;
+  // the contact forces on a stone, N. Mean, standard deviation over the stones, largest value.
+  double speed = 0, speed_deviation = 0, largest_speed = 0;
+  double stone_force = 0, stone_force_deviation = 0, largest_stone_force = 0;
   Tensor stress{};  // Pa, tension positive
   Tensor fabric{};  // mean n n^T of these contacts (Satake 1982); trace 1
 };

@@ -121,8 +121,10 @@ Json region_list(const FigureInput& run) {
                        {"contacts", m.contacts},
                        {"contact_force_n", m.contact_force},
                        {"speed_m_s", m.speed},
+                       {"speed_deviation_m_s", m.speed_deviation},
                        {"largest_speed_m_s", m.largest_speed},
                        {"stone_force_n", m.stone_force},
+                       {"stone_force_deviation_n", m.stone_force_deviation},
                        {"largest_stone_force_n", m.largest_stone_force},
                        {"stress_pa", m.stress},
                        {"fabric", m.fabric}});

@@ -232,8 +232,8 @@ TEST(Regions, AreBitwiseIdenticalOnAnyRanks) {
     std::vector<double> list;
     for (const observe::Measurement& m : observe::measure(comm, particles, region)) {
       list.insert(list.end(), {m.porosity, m.bulk_density, m.stones, m.coordination, m.contacts,
-                               m.contact_force, m.speed, m.largest_speed, m.stone_force,
-                               m.largest_stone_force});
+                               m.contact_force, m.speed, m.speed_deviation, m.largest_speed,
+                               m.stone_force, m.stone_force_deviation, m.largest_stone_force});
       list.insert(list.end(), m.stress.begin(), m.stress.end());
       list.insert(list.end(), m.fabric.begin(), m.fabric.end());
     }
@@ -242,10 +242,10 @@ TEST(Regions, AreBitwiseIdenticalOnAnyRanks) {
   const std::vector<double> alone = values(par::Comm::self()), shared = values(par::Comm::world());
   EXPECT_EQ(alone, shared);
   double contacts = 0;
-  for (std::size_t k = 4; k < alone.size(); k += 22) {
+  for (std::size_t k = 4; k < alone.size(); k += 24) {
     contacts += alone[k];
     // Normals of corners, edges and faces alike have unit length.
-    const double* fabric = &alone[k + 12];
+    const double* fabric = &alone[k + 14];
     if (alone[k] > 0) {
       EXPECT_NEAR(fabric[0] + fabric[1] + fabric[2], 1, rounding);
     }
@@ -342,9 +342,11 @@ TEST(Regions, PartnersWithTwoContactsCountOnce) {
   EXPECT_EQ(m.contacts, 2);
   EXPECT_NEAR(m.coordination, 1, rounding);
   EXPECT_NEAR(m.speed, 0.2, 1e-9);  // changed by forces of 200 N in 1e-12 s by 1e-10 m/s
+  EXPECT_NEAR(m.speed_deviation, 0.1, 1e-9);
   EXPECT_NEAR(m.largest_speed, 0.3, 1e-9);
   const double force = 2 * k_n * 1e-4;  // on each, of two contacts
   EXPECT_NEAR(m.stone_force, force, 1e-6 * force);
+  EXPECT_NEAR(m.stone_force_deviation, 0, 1e-6 * force);
   EXPECT_NEAR(m.largest_stone_force, force, 1e-6 * force);
 }
 
