@@ -33,6 +33,6 @@ if(NOT TRACKBED_NATIVE)
   set(CPACK_DEBIAN_PACKAGE_DEPENDS openmpi-bin)
   set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
       "python3-h5netcdf, python3-h5py, python3-matplotlib, python3-numpy, python3-pil, \
-python3-scipy, python3-vtk9, python3-xarray")
+python3-scipy, python3-vtk9, python3-xarray, xauth, xvfb")
   include(CPack)
 endif()

@@ -69,7 +69,8 @@ def installed_on_debian(source, package, root):
     for command in commands:
         run("bash", "-c", command)
     run("mpirun", "-n", "2", "--oversubscribe", "trackbed", "run",
-        "/usr/share/trackbed/inputs/verify/impact.toml", "-o", "/results")
+        "/usr/share/trackbed/inputs/verify/stack.toml", "output.fields=true", "-o", "/results")
+    run("trackbed_post", "still", "/results", "-o", "/still.png")
     listed = run("trackbed_post", "list", "/results")
     if "history/time" not in listed:
         raise SystemExit(f"trackbed_post list on a fresh Debian: {listed}")

@@ -43,14 +43,26 @@ def data(path):
     return digest.hexdigest()
 
 
+# The static equilibrium of an elastic ground is solved on each number of ranks to a relative
+# residual of 1e-8 (ground.tolerance), by which nothing else is affected: its stress may differ by
+# this times the condition of a small ground, relative to the largest component.
+SOLVED, RESIDUAL = "/stress_static", 1e-6
+
+
+def equal(name, first, second, nan):
+    """Whether two datasets of this name are bitwise the same, or as near as they can be."""
+    if name.endswith(SOLVED) and first.shape == second.shape:
+        return np.allclose(first, second, rtol=0, atol=RESIDUAL * np.abs(first).max(initial=0))
+    return np.array_equal(first, second, equal_nan=nan and first.dtype.kind == "f")
+
+
 def same_datasets(first, second, what, below="", nan=False):
-    """Requires the same names in {name: array}, and bitwise identical arrays below a group; with
-    `nan`, not-a-number equals itself."""
+    """Requires the same names in {name: array}, and bitwise identical arrays below a group, but for
+    SOLVED; with `nan`, not-a-number equals itself."""
     if set(first) != set(second):
         raise SystemExit(f"{what}: other datasets: {sorted(set(first) ^ set(second))}")
     for name, rows in first.items():
-        equal_nan = nan and rows.dtype.kind == "f"
-        if name.startswith(below) and not np.array_equal(rows, second[name], equal_nan=equal_nan):
+        if name.startswith(below) and not equal(name, rows, second[name], nan):
             raise SystemExit(f"{what}: {name} differs")
 
 

@@ -46,7 +46,8 @@ struct SensorReading {
 };
 
 // The same on all ranks; readings are bitwise identical on any number of ranks (with an implicit
-// ground as its state is).
+// ground as its state is), but `stress_static` only to the tolerance of the static solution, which
+// is iterative.
 class Sensors {
  public:
   Sensors(const par::Comm& comm, const std::vector<Sensor>& sensors, double gravity);
