@@ -7,7 +7,8 @@ import matplotlib.lines
 import matplotlib.patches
 import numpy as np
 
-from trackbed_post import figure_csv, frequencies, ground_blocks, measures, read
+from trackbed_post import (figure_csv, frequencies, ground_blocks, measures, read,
+                           train_strip)
 
 LAYERS = ("#e8dcc0", "#d9c7a0", "#c8b184", "#b79b6c")  # from the top down
 STRUCTURE = {"facecolor": "#9aa0a6", "edgecolor": "#4d4d4d", "hatch": "//"}
@@ -216,9 +217,10 @@ class Scene:
                 self._add(matplotlib.patches.Rectangle(
                     (bogie[0] - 0.3, z), bogie[-1] - bogie[0] + 0.6, 0.3, facecolor="0.45"))
             if len(there) == len(group):
+                beyond = train_strip.OVERHANG
                 self._add(matplotlib.patches.Rectangle(
-                    (there[0] - 2, z + 0.45), there[-1] - there[0] + 4, 2.4, facecolor="#dfe7ef",
-                    edgecolor="#2f4b66"))
+                    (there[0] - beyond, z + 0.45), there[-1] - there[0] + 2 * beyond, 2.4,
+                    **train_strip.BODY))
         return self.train
 
     def _add(self, patch):
