@@ -267,6 +267,11 @@ def carried_by_springs(results: read.Results) -> bool:
     return bool(passages and passages[-1].get("train", False))
 
 
+def ends_at_springs(results: read.Results) -> bool:
+    """The same, also of a track on a ground of elements."""
+    return results.deck.get("model") == "track_on_ground" or carried_by_springs(results)
+
+
 def at_ends(count: int, springs: bool) -> np.ndarray:
     """Which of so many sleepers are at the ends of the bed, where their support is that of the
     model's end: ENDS at each end if `springs` are beside them, otherwise WALLS. Of beds that are
@@ -278,7 +283,7 @@ def at_ends(count: int, springs: bool) -> np.ndarray:
 
 def ends(results: read.Results) -> np.ndarray:
     """Which sleepers of a run are at the ends of its bed."""
-    return at_ends(len(results.sleepers_x), carried_by_springs(results))
+    return at_ends(len(results.sleepers_x), ends_at_springs(results))
 
 
 def plain_track(results: read.Results, edge: float, changing: float,
@@ -289,7 +294,7 @@ def plain_track(results: read.Results, edge: float, changing: float,
     last one that is judged. Nothing is plain if the second is smaller."""
     turn, begin = direction(results, edge), changing + BEYOND * spacing
     ends = [float(np.max(turn * (results.ground_x - edge)))]
-    if carried_by_springs(results) and len(results.sleepers_x) > ENDS:
+    if ends_at_springs(results) and len(results.sleepers_x) > ENDS:
         sleepers = np.sort(turn * (results.sleepers_x - edge))
         ends.append(float(sleepers[-ENDS - 1]))
         begin = float(min(sleepers[sleepers >= begin - TINY], default=begin))

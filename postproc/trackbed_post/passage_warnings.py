@@ -35,13 +35,21 @@ def why_no_verdict(named: collections.abc.Iterable[tuple[str, read.Results]]) ->
                                for name, run in named)
 
 
-def of_track(every: read.Quantities, deck: read.Deck,
-             summary: dict[str, typing.Any]) -> list[str]:
+def warnings_of_track(every: read.Quantities, deck: read.Deck,
+                      summary: dict[str, typing.Any]) -> list[BedWarning]:
     """Of a track without stones: datasets, deck and summary.json (empty before the run's end)."""
     if "history/wheel/force" not in every or not every["history/time"].values.size:
         return []
-    return [*track_stretch.warnings_of(every, deck),
-            *_of_wheels_on_track(every, deck, summary), *_of_pads_of_track(every, deck),
+    found = (("the train has not passed the whole ground", track_stretch.warnings_of(every, deck)),
+             ("wheels are off the rail", _of_wheels_on_track(every, deck, summary)),
+             ("rail pads are in tension", _of_pads_of_track(every, deck)))
+    return [BedWarning(cause, one) for cause, sentences in found for one in sentences]
+
+
+def of_track(every: read.Quantities, deck: read.Deck,
+             summary: dict[str, typing.Any]) -> list[str]:
+    """The same as sentences, and the springs beside a ground."""
+    return [*(one.sentence for one in warnings_of_track(every, deck, summary)),
             *ground_ends.warnings_of(every, deck)]
 
 

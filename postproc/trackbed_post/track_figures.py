@@ -15,7 +15,7 @@ import numpy as np
 
 from trackbed_post import (bed_histories, panels, passage_warnings, read, receptance_figure,
                            signals, stress_paths, third_octaves, track_along, track_measures,
-                           track_stretch, train_strip)
+                           track_stretch, track_transition, train_strip)
 from trackbed_post.track_stretch import history, run_in_of, two_rails
 
 FILTER = signals.LowPass()
@@ -386,6 +386,8 @@ def compare_into(results, folder):
     names, runs = track_along.names_of(results), [opened(one) for one in results]
     if picture := track_along.draw_beside(names, *([one[k] for one in runs] for k in (0, 1))):
         folder.picture("compare", picture)
+    if len(results) == 2:
+        track_transition.draw_into(results, folder)
     text = track_along.table_beside(names, [found for _, _, found in runs])
     notes = {tuple(track_stretch.notes(deck, found)) for _, deck, found in runs}
     folder.table("compare.txt", text + below(results, names,
@@ -435,6 +437,7 @@ def draw_into(results, folder):
         folder.file("receptance.csv", receptance_figure.table(*of_points))
     for name, figure in sensors_in_ground(results[0], deck):
         folder.picture(name, figure)
+    track_transition.draw_into(results, folder)
     wide = max(map(len, found), default=0)
     text = "".join(f"{name:{wide}} {value:10.4g} {unit}\n" for name, (value, unit) in found.items())
     name = results[0].resolve().name

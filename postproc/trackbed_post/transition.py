@@ -6,13 +6,15 @@ sleepers, settlement) with its curves as CSV; transition.txt holds numbers, and 
 runs differ by the wedge. Contact forces need field files within the passage
 (`output.fields_interval`). Definition of the numbers: docs/postproc.md.
 """
+import abc
 import dataclasses
+import typing
 
 import numpy as np
 
-from trackbed_post import (bed_warnings, ground_blocks, judgement, measures, passage_warnings, read,
-                           train_figures, transition_caption, transition_figures,
-                           transition_verdict, write, zones)
+from trackbed_post import (bed_warnings, ground_blocks, judgement, measures, model_drawing,
+                           passage_warnings, read, train_figures, transition_caption,
+                           transition_figures, transition_verdict, write, zones)
 from trackbed_post.ground_blocks import ENDS
 from trackbed_post.zones import REACHED, Zone, zone_of
 
@@ -20,13 +22,14 @@ BIN = 0.1            # m, of the curve of the largest wheel force along the trac
 LONG = 20            # characters of the names of blocks in the name of a run
 
 
-@dataclasses.dataclass(frozen=True)
-class Train:
-    """The last train of a run and what it does to the track; levels are relative to the last row
-    before the train comes to the bed, downwards positive, m."""
+class LoadedTrack(abc.ABC):
+    """A run and what its train does to the track, on stones or on a ground of elements. Levels are
+    downwards positive, m."""
     run: read.Results
-    passing: train_figures.Passing
-    name: str = ""
+    name: str
+    stones: bool   # below the sleepers, which then settle
+    of_mean: str   # of which wheels mean_force() is the mean, in words
+    axis: str      # label of x
 
     @property
     def name_first(self):
@@ -34,8 +37,63 @@ class Train:
         return self.name if self.name.startswith(self.run.name) else \
             self.name[:1].upper() + self.name[1:]
 
+    @abc.abstractmethod
+    def heading(self):
+        """What runs over what."""
+
+    @abc.abstractmethod
     def rail_down(self):
         """Lowest level of the rail above each sleeper."""
+
+    @abc.abstractmethod
+    def sleeper_down(self):
+        """Lowest level of each sleeper."""
+
+    @abc.abstractmethod
+    def wheels(self):
+        """x, m, and force, N, of all wheels on the track in all rows."""
+
+    @abc.abstractmethod
+    def mean_force(self):
+        """Mean of wheel forces, N, about the static load."""
+
+    def largest_force(self):
+        """x, m, and the largest force of any wheel there, N, over the sleepers: in bins of BIN, x
+        of their middles."""
+        low, high = self.run.sleepers_x[[0, -1]]
+        edges = np.arange(low, high + BIN, BIN)
+        x, force = self.wheels()
+        number = np.digitize(x, edges) - 1
+        found = np.full(len(edges) - 1, np.nan)
+        for k in np.intersect1d(number, np.arange(len(found))):
+            found[k] = force[number == k].max()
+        return (edges[:-1] + edges[1:]) / 2, found
+
+    def largest_force_in(self, zone, low, high):
+        """(N, x in m) of the largest force of any wheel between these distances from the edge, m,
+        the second one excluded, in its row of the histories."""
+        x, force = self.wheels()
+        distance = np.interp(x, self.run.sleepers_x, zone.distance)
+        x, force = x[there := (distance >= low) & (distance < high)], force[there]
+        most = int(np.argmax(force))
+        return float(force[most]), float(x[most])
+
+
+@dataclasses.dataclass(frozen=True)
+class Train(LoadedTrack):
+    """The last train of a run over a bed; levels are relative to the last row before it comes to
+    the bed."""
+    run: read.Results
+    passing: train_figures.Passing
+    name: str = ""
+    stones: typing.ClassVar[bool] = True
+    of_mean: typing.ClassVar[str] = "all wheels on the bed"
+    axis: typing.ClassVar[str] = "x along the track, m"
+
+    def heading(self):
+        return model_drawing.heading(self.run)
+
+    def rail_down(self):
         return zones.rail_down(self.run)
 
     def sleeper_down(self):
@@ -59,32 +117,10 @@ class Train:
         return self.settlement()[~ground_blocks.at_ends(len(self.run.sleepers_x), True)]
 
     def wheels(self):
-        """x, m, and force, N, of all wheels on the track in all rows."""
         x = np.repeat(self.passing.x[..., None], self.passing.force.shape[2], axis=2).ravel()
         force = self.passing.force.ravel()
         known = np.isfinite(x) & np.isfinite(force)
         return x[known], force[known]
-
-    def largest_force(self):
-        """x, m, and the largest force of any wheel there, N, along the bed: in bins of BIN, x of
-        their middles."""
-        low, high = self.run.sleepers_x[[0, -1]]
-        edges = np.arange(low, high + BIN, BIN)
-        x, force = self.wheels()
-        number = np.digitize(x, edges) - 1
-        found = np.full(len(edges) - 1, np.nan)
-        for k in np.intersect1d(number, np.arange(len(found))):
-            found[k] = force[number == k].max()
-        return (edges[:-1] + edges[1:]) / 2, found
-
-    def largest_force_in(self, zone, low, high):
-        """(N, x in m) of the largest force of any wheel between these distances from the edge, m,
-        the second one excluded, in its row of the histories."""
-        x, force = self.wheels()
-        distance = np.interp(x, self.run.sleepers_x, zone.distance)
-        x, force = x[there := (distance >= low) & (distance < high)], force[there]
-        most = int(np.argmax(force))
-        return float(force[most]), float(x[most])
 
     def mean_force(self):
         """Of a wheel over the bed, N: the static load, since the forces of a passage balance it."""
@@ -169,8 +205,9 @@ def steepest_within(level, place, part):
 def changes_of(trains):
     """A Change of each train, or None if a run has no such zone. Plain track begins at the same
     place in all designs, unless their structures end at different places."""
-    runs = [train.run for train in trains]
-    found = [zone_of(run, changing) for run, changing in zip(runs, zones.changing_of_each(runs))]
+    runs, levels = [train.run for train in trains], [train.rail_down() for train in trains]
+    found = [zone_of(run, changing)
+             for run, changing in zip(runs, zones.changing_of_each(runs, levels))]
     if None in found:
         return None
     return [change_of(train, zone) for train, zone in zip(trains, found)]
@@ -246,15 +283,22 @@ OF_TRAINS = (("mean wheel force over the bed, kN", lambda train: 1e-3 * train.me
 
 
 def table(trains, changes):
-    wide = max(len(row[0]) for row in (*ROWS, *OF_TRAINS)) + 1
-    lines = [" " * wide + "".join(f"{train.name:>15}" for train in trains)]
-    for label, field, factor in ROWS if changes else ():
+    """A column for each run; `trains`: all on stones, or all on a ground of elements, which has no
+    bed, so that nothing scatters or settles there."""
+    rows, of_trains = ROWS, OF_TRAINS
+    if not trains[0].stones:
+        rows = [(label.replace(" (scatter of the bed)", ""), *rest) for label, *rest in ROWS]
+        of_trains = [(f"mean force of {trains[0].of_mean}, kN", OF_TRAINS[0][1])]
+    wide = max(len(row[0]) for row in (*rows, *of_trains)) + 1
+    column = max(15, *(len(train.name) + 2 for train in trains))
+    lines = [" " * wide + "".join(f"{train.name:>{column}}" for train in trains)]
+    for label, field, factor in rows if changes else ():
         lines.append(f"{label:<{wide}}" + "".join(
-            f"{judgement.shown(getattr(change, field) * factor, field in PLACES):>15}"
+            f"{judgement.shown(getattr(change, field) * factor, field in PLACES):>{column}}"
             for change in changes))
-    for label, of in OF_TRAINS:
+    for label, of in of_trains:
         lines.append(f"{label:<{wide}}" + "".join(
-            f"{judgement.shown(of(train)):>15}" for train in trains))
+            f"{judgement.shown(of(train)):>{column}}" for train in trains))
     return "\n".join(lines) + "\n"
 
 
@@ -263,10 +307,13 @@ def curves(trains):
     found = {}
     for train in trains:
         x, force = train.largest_force()
-        along = (train.run.sleepers_x, 1e3 * train.rail_down(), 1e3 * train.sleeper_down(),
-                 1e3 * train.settlement())
+        along = [train.run.sleepers_x, 1e3 * train.rail_down(), 1e3 * train.sleeper_down()]
+        names = "x_m,rail_down_mm,sleeper_down_mm"
+        if train.stones:
+            along.append(1e3 * train.settlement())
+            names += ",settlement_down_mm"
         for name, head, columns in (
-                ("levels", "x_m,rail_down_mm,sleeper_down_mm,settlement_down_mm", along),
+                ("levels", names, along),
                 ("wheel_force", "x_m,largest_wheel_force_kN", (x, 1e-3 * force))):
             rows = (",".join(f"{value:.6g}" for value in row) for row in zip(*columns))
             found[f"{name}_{train.name.replace(' ', '_')}.csv"] = "\n".join([head, *rows]) + "\n"

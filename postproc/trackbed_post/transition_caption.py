@@ -74,14 +74,18 @@ def same_places(trains: list[Train], changes: list[Change]) -> bool:
 
 
 def limits(trains: list[Train], changes: list[Change]) -> str:
-    """What the numbers depend on, as far as the runs tell it (train_of() takes plane models only),
-    and with what they are to be compared."""
+    """What the numbers depend on, as far as the runs tell it, and with what they are to be
+    compared."""
     scatter = slope(max(change.scatter for change in changes))
     other = "; structure, transition and plain track are other places in the second run" \
         if len(changes) > 1 and not same_places(trains, changes) else ""
-    return (f"in this plane model loads do not spread across the track; one packing of stones was "
-            f"computed; on plain track the rail changes by up to {scatter} between neighbouring "
-            f"sleepers{other}.")
+    found = ["in this plane model loads do not spread across the track"] \
+        if trains[0].run.deck.get("dimension") == "plane" else []
+    if trains[0].stones:
+        found.append("one packing of stones was computed")
+    found.append(f"on plain track the rail changes by up to {scatter} between neighbouring "
+                 f"sleepers{other}.")
+    return "; ".join(found)
 
 
 def settlement(trains: list[Train], unsound: str = "") -> str:
@@ -103,14 +107,17 @@ def signed(value: float) -> str:
     return f"{'+' if value > 0 else ''}{shown(1e3 * value)}"
 
 
-def titles(trains: list[Train], changes: list[Change] | None, unsound: str) -> tuple[str, str, str]:
-    """What the panels show: level, wheel force, settlement. Without a verdict as numbers alone."""
+def titles(trains: list[Train], changes: list[Change] | None, unsound: str) -> list[str]:
+    """What the panels show: level, wheel force and, on stones, settlement. Without a verdict as
+    numbers alone."""
     if changes is None:
-        return ("Lowest level of rail and sleepers under the train.",
-                "Largest wheel force along the track.", settlement(trains, unsound))
-    why = transition_verdict.why_no_verdict(trains, changes) or unsound
-    first = level(trains, changes) if why else transition_verdict.effect(trains, changes, True)
-    return first, forces(trains, changes, why), settlement(trains, unsound)
+        found = ["Lowest level of rail and sleepers under the train.",
+                 "Largest wheel force along the track."]
+    else:
+        why = transition_verdict.why_no_verdict(trains, changes) or unsound
+        found = [level(trains, changes) if why else
+                 transition_verdict.effect(trains, changes, True), forces(trains, changes, why)]
+    return [*found, settlement(trains, unsound)] if trains[0].stones else found
 
 
 def own_levels(trains: list[Train], changes: list[Change]) -> str:

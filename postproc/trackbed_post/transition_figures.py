@@ -76,61 +76,71 @@ def draw_judged(panel, x, values, span, label, **style):
 
 
 def draw_train(force, level, settled, train, style):
-    """The curves of a run. Sleepers at the ends of the bed, which are not judged, have hollow
-    marks; rail and wheel forces have a lighter line there."""
+    """The curves of a run; `settled` None without stones. Sleepers at the ends of the bed, which
+    are not judged, have hollow marks; rail and wheel forces have a lighter line there."""
     x, ends = train.run.sleepers_x, ground_blocks.at_ends(len(train.run.sleepers_x), True)
     span = x[~ends].min(), x[~ends].max()
     draw_judged(level, x, -1e3 * train.rail_down(), span,
                 lw=2, label=f"rail, {train.name}", **style)
     sleepers, = level.plot(x, -1e3 * train.sleeper_down(), lw=1, marker="o", ms=3,
                            label=f"sleepers, {train.name}", **style)
-    into_bed, = settled.plot(x, -1e3 * train.settlement(), lw=1.2, marker="s", ms=3,
-                             label=train.name, **style)
-    for panel, line in ((level, sleepers), (settled, into_bed)):
-        panels.mark_ends(panel, line, ends, panels.HIDDEN)
+    panels.mark_ends(level, sleepers, ends, panels.HIDDEN)
+    if settled:
+        into_bed, = settled.plot(x, -1e3 * train.settlement(), lw=1.2, marker="s", ms=3,
+                                 label=train.name, **style)
+        panels.mark_ends(settled, into_bed, ends, panels.HIDDEN)
     place, most = train.largest_force()
     draw_judged(force, place, 1e-3 * most, span, lw=1.3, label=train.name, **style)
 
 
-def name_axes(force, level, settled):
-    """Labels of the axes, and the entry for what is not judged, the same for all runs."""
+def name_axes(force, level, settled, x):
+    """Labels of the axes, `x` that along the track, and the entry for what is not judged, the same
+    for all runs."""
     for panel, marker in ((level, "o"), (settled, "s")):
-        panel.plot([], [], ls="", marker=marker, ms=3, color="0.2", mfc="white", mew=0.8,
-                   label="not judged (hollow, light)")
+        if panel:
+            panel.plot([], [], ls="", marker=marker, ms=3, color="0.2", mfc="white", mew=0.8,
+                       label="not judged (hollow, light)")
     level.set_ylabel(f"lowest level of rail and\nsleepers under the train,\n{panels.UP}")
-    settled.set_ylabel(f"sleepers after the\ntrain, relative to\nthe ground,\n{panels.UP}")
     force.set_ylabel("largest wheel force\nof all axles, kN")
-    settled.set_xlabel("x along the track, m")
-    # Smaller settlements, which are noise, look as small as they are.
-    low, high = settled.get_ylim()
-    settled.set_ylim(min(low, -1e3 * bed_warnings.SETTLES), max(high, 1e3 * bed_warnings.SETTLES))
-    for panel in (level, force, settled):
+    (settled or force).set_xlabel(x)
+    for panel in filter(None, (level, force, settled)):
         panel.tick_params(labelbottom=True)
+    if settled:
+        settled.set_ylabel(f"sleepers after the\ntrain, relative to\nthe ground,\n{panels.UP}")
+        # Smaller settlements, which are noise, look as small as they are.
+        low, high = settled.get_ylim()
+        settled.set_ylim(min(low, -1e3 * bed_warnings.SETTLES),
+                         max(high, 1e3 * bed_warnings.SETTLES))
     # Above the right end of the first panel, where no legend is.
     level.annotate(model_drawing.DIRECTION, (1, 1), (0, 4), xycoords="axes fraction",
                    textcoords="offset points", ha="right", va="bottom", fontsize=9)
 
 
+NAMES, HEIGHTS = ("level", "wheel force", "sleepers after the train"), (1.4, 1, 0.8)  # of panels
+
+
 def compare(trains, changes, titles, sentence):
-    """Three panels along the track, all designs in each: that with the answer first. `titles`:
-    what each shows, as sentences."""
+    """Panels along the track, all designs in each: that with the answer first. `titles`: what each
+    shows, as sentences; two without stones, whose panel would be the third."""
     stretches = ground_blocks.stretches(trains[0].run)
-    figure, (level, force, settled) = plt.subplots(
-        3, 1, figsize=(10, 9.6), sharex=True, gridspec_kw={"height_ratios": (1.4, 1, 0.8)})
+    count = len(titles)
+    high = 10 * sum(HEIGHTS[:count]) / sum(HEIGHTS)  # inches
+    figure, drawn = plt.subplots(count, 1, figsize=(10, high), sharex=True,
+                                 gridspec_kw={"height_ratios": HEIGHTS[:count]})
+    level, force, settled = (*drawn, None)[:3]
     for train, style in zip(trains, STYLES):
         draw_train(force, level, settled, train, style)
     mean = 1e-3 * trains[0].mean_force()
     force.axhline(mean, color="0.3", lw=0.8,
-                  label=f"mean of all wheels on the bed, {judgement.shown(mean)} kN"
+                  label=f"mean of {trains[0].of_mean}, {judgement.shown(mean)} kN"
                   + f" ({trains[0].name})" * (len(trains) > 1))
     if changes:
         mark_judged(level, trains, changes)
         mark_places(force, level, trains, changes)
         bracket_zones(level, trains[0], changes[0].zone)
-    name_axes(force, level, settled)
-    figure.suptitle(model_drawing.heading(trains[0].run), fontsize=11)
-    for panel, title, name in zip((level, force, settled), titles,
-                                  ("level", "wheel force", "sleepers after the train")):
+    name_axes(force, level, settled, trains[0].axis)
+    figure.suptitle(trains[0].heading(), fontsize=11)
+    for panel, title, name in zip(drawn, titles, NAMES):
         panel.set_label(name)
         shades.shade(panel, stretches)
         panel.grid(alpha=0.3)
@@ -139,10 +149,10 @@ def compare(trains, changes, titles, sentence):
     shades.name(level, stretches)
     text = wrapped(sentence)
     below = 0.18 * (text.count("\n") + 1)  # inches
-    figure.set_figheight(10 + below)
+    figure.set_figheight(high + below)
     figure.text(0.02, 0.03, text, fontsize=10, va="bottom")
     for _ in range(2):  # the first may change the ticks, whose labels have other widths
-        figure.tight_layout(rect=(0, 0.04 + below / (10 + below), 1, 1))
+        figure.tight_layout(rect=(0, 0.04 + below / (high + below), 1, 1))
     return figure
 
 

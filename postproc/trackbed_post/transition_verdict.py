@@ -205,7 +205,7 @@ def of_distances(found: Difference) -> str:
             f"difference above {found.beside}, {found.limit}, counts as clear.")
 
 
-def of_slopes(found: Difference) -> str:
+def of_slopes(found: Difference, stones: bool) -> str:
     """A sentence: by how much the steepest changes differ, beside the scatter."""
     if np.isnan(found.change) or np.isnan(found.scatter):
         return ""
@@ -213,15 +213,16 @@ def of_slopes(found: Difference) -> str:
         return f" They differ by at most {CLEAR:.0%}, which is no clear effect."
     exceeds = "exceeds" if found.larger_than_scatter else "does not exceed"
     return (f" This difference, {found.of_text(abs(found.first - found.second))}, {exceeds} the "
-            f"steepest change on plain track, {found.limit}, where only the stones vary.")
+            f"steepest change on plain track, {found.limit}"
+            f"{', where only the stones vary' if stones else ''}.")
 
 
 def evidence(trains: list[Train], changes: list[Change], sound: bool) -> str:
     """The numbers behind the effect, and the limits with which they are compared."""
     now, other = changes
     found = differences(trains, changes)
-    widths, slopes = (of_distances(found["width"]), of_slopes(found["steepest"])) if sound else \
-        ("", "")
+    widths, slopes = (of_distances(found["width"]),
+                      of_slopes(found["steepest"], trains[0].stones)) if sound else ("", "")
     force = f": {found['force'].words(measure_of(trains))}" if sound else ""
     return (
         "The change is that of the lowest level of the rail under the train; it extends from the "
@@ -238,12 +239,12 @@ def verdict(trains: list[Train], changes: list[Change] | None, unsound: str = ""
     if why_no_verdict(trains, changes) or changes is None:
         return f"No verdict: {reasons(trains, changes, unsound)}."
     numbers = f"{effect(trains, changes, not unsound)} {evidence(trains, changes, not unsound)}"
-    packing = "One packing of stones was computed."
+    packing = " One packing of stones was computed." if trains[0].stones else ""
     if unsound:
         return (f"No verdict, since {unsound}: this can change the following numbers more "
-                f"than the {what_differs(trains)} does. {numbers} {packing} The remedies are in "
+                f"than the {what_differs(trains)} does. {numbers}{packing} The remedies are in "
                 "the warnings.")
-    return f"{numbers} {cause_of_forces(trains, changes)} {packing}"
+    return f"{numbers} {cause_of_forces(trains, changes)}{packing}"
 
 
 def clearly_larger(trains: list[Train], changes: list[Change]) -> list[Train]:
@@ -266,7 +267,7 @@ def cause_of_forces(trains: list[Train], changes: list[Change]) -> str:
         names = " and ".join([larger[0].name_first, *(train.name for train in larger[1:])])
         return f"{names}, it is clearly larger than {elsewhere}."
     return ("It is not clearly larger than " + elsewhere +
-            ": such forces occur along the whole bed.")
+            f": such forces occur along the whole {'bed' if trains[0].stones else 'track'}.")
 
 
 SAME = (("width", ground_transition.WIDTH, "distance at which the change is reached"),

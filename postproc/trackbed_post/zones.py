@@ -14,6 +14,7 @@ from trackbed_post import axles, ground_blocks, measures, read
 from trackbed_post.measures import NOWHERE, TINY
 
 Runs = collections.abc.Sequence[read.Results]
+Levels = collections.abc.Sequence[np.ndarray]  # of each run, lowest level of the rail, m down
 REACHED = 0.9    # the transition ends where this fraction of the change is reached
 
 
@@ -92,10 +93,10 @@ def rail_width(zone: Zone, level: np.ndarray) -> float:
     return float(np.interp(0, there[k - 1:k + 1], at[k - 1:k + 1])) if k else 0.0
 
 
-def rail_widths(runs: Runs, changing: float) -> list[float]:
+def rail_widths(runs: Runs, levels: Levels, changing: float) -> list[float]:
     """That of each run with a rail."""
-    return [rail_width(zone, level) for run in runs
-            if len(level := rail_down(run)) and (zone := zone_of(run, changing))]
+    return [rail_width(zone, level) for run, level in zip(runs, levels)
+            if len(level) and (zone := zone_of(run, changing))]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -151,21 +152,23 @@ def ground_widths(runs: Runs, changing: float) -> list[float]:
             for run in runs if (surface := surface_of(run))]
 
 
-def changing(runs: Runs) -> float:
+def changing(runs: Runs, levels: Levels = ()) -> float:
     """Distance from the edge, m, over which the track of these runs changes, which have the same
     edge: to the end of the longest measure, and to where rail and ground of each run reach REACHED
-    of the change."""
+    of the change. `levels`: by default those of `rail_down`."""
+    levels = levels or [rail_down(run) for run in runs]
     found = max(ground_blocks.wedge_length(run) for run in runs)
     while True:
-        widths = [*rail_widths(runs, found), *ground_widths(runs, found)]
+        widths = [*rail_widths(runs, levels, found), *ground_widths(runs, found)]
         farthest = max(filter(np.isfinite, widths), default=0.0)
         if farthest <= found + TINY:
             return found
         found = farthest
 
 
-def changing_of_each(runs: Runs) -> list[float]:
+def changing_of_each(runs: Runs, levels: Levels = ()) -> list[float]:
     """The same for each run: common to all if their edges are at the same place."""
+    levels = levels or [rail_down(run) for run in runs]
     if all(ground_blocks.same_edge(runs[0], run) for run in runs[1:]):
-        return [changing(runs)] * len(runs)
-    return [changing([run]) for run in runs]
+        return [changing(runs, levels)] * len(runs)
+    return [changing([run], [level]) for run, level in zip(runs, levels)]

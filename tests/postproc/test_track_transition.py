@@ -1,0 +1,148 @@
+"""Tests of the transition of a track on a ground of elements: places, numbers and verdict."""
+import json
+
+import conftest
+import made
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from trackbed_post import track_transition, transition, write
+
+LENGTH, SPACING, SPEED = 60.0, 0.5, 20.0
+ORIGIN, EDGE = 9.75, 10.0  # m: x = 0 of the ground on the track, and of the structure's end on it
+WEDGE, ABRUPT = 5.0, 2.0   # m, over which the level of the rail changes with and without wedge
+DECK = """
+title = "A bridge and its embankment"
+model = "track_on_ground"
+dimension = "plane"
+thickness = 2.0
+[track]
+length = 60.0
+run_in = 3.0
+spacing = 0.5
+[footing]
+before = 20
+count = 80
+first = 0.25
+[ground]
+x = [0.0, 40.0]
+[[ground.layer]]
+thickness = 2.0
+young = 20e6
+[[ground.block]]
+name = "abutment"
+outline = [0.0, 0.0, 10.0, 0.0, 10.0, -2.0, 0.0, -2.0]
+young = 30e9
+[[ground.block]]
+name = "wedge"
+outline = [10.0, 0.0, 15.0, 0.0, 10.0, -2.0]
+young = 200e6
+present = true
+[train]
+vehicles = ["coach", "coach"]
+speed = 20.0
+[passage]
+step = 5e-4
+"""
+
+
+def folder(path, wedge=True, rails=1, last=1200, pulls=0.0):
+    """Rows of one axle of 50 kN, 0.05 m apart, with 60 kN half a metre behind the structure if
+    there is no wedge; the rail goes down by 0.4 mm on the structure and 1 mm on plain track, the
+    sleepers by half of it. Of two rails the left one goes down 0.1 mm more, the right one less."""
+    path.mkdir()
+    x = 0.05 * np.arange(last + 1)
+    force = np.full((len(x), rails), 50e3)
+    if not wedge:
+        force[np.isclose(x, ORIGIN + EDGE + 0.5)] = 60e3
+    places = np.repeat(SPACING * np.arange(int(LENGTH / SPACING) + 1), rails)
+    long = WEDGE if wedge else ABRUPT
+    down = 0.4e-3 + 0.6e-3 * np.clip((places - ORIGIN - EDGE) / long, 0, 1)
+    if rails == 2:
+        down += np.where(np.arange(len(down)) % 2, -1e-4, 1e-4)
+    load = np.full(len(places), 20e3)
+    made.store(path / "results.h5", {
+        "history/time": (x / SPEED, "s"), "history/wheel/x": (np.stack([x] * rails, 1), "m"),
+        "history/wheel/force": (force, "N"), "history/wheel/height": (0 * force - 1e-3, "m"),
+        "envelope/x": (places, "m"),
+        "envelope/rail/displacement_min": (-down, "m"),
+        "envelope/rail/displacement_max": (0 * down, "m"),
+        "envelope/sleeper/displacement_min": (-0.5 * down, "m"),
+        "envelope/sleeper/displacement_max": (0 * down, "m"),
+        "envelope/sleeper/seat_force_min": (-pulls * load, "N"),
+        "envelope/sleeper/seat_force_max": (load, "N")},
+        deck=DECK if wedge else DECK.replace("present = true", "present = false"),
+        version="0.1.0", build="-", ranks=1)
+    (path / "summary.json").write_text(json.dumps({
+        "deck": "a.toml", "model": "track_on_ground", "finished": True, "ranks": 1,
+        "simulated_time_s": float(x[-1] / SPEED), "wall_time_s": 1.0, "memory_mb_per_rank": 1.0}),
+        encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("rails", [1, 2])
+def test_numbers_are_those_of_the_lines(tmp_path, rails):
+    tracks = [track_transition.of_folder(folder(tmp_path / name, name == "with", rails))
+              for name in ("with", "without")]
+    now, other = transition.changes_of(tracks)
+    for one, long, last in ((now, WEDGE, 0.6e-3), (other, ABRUPT, 0.6e-3)):
+        assert (one.structure, one.plain) == pytest.approx((0.4e-3, 1e-3))
+        assert one.steepest == pytest.approx(last / long) and one.scatter == pytest.approx(0)
+        assert one.sleeper_steepest == pytest.approx(last / long / 2)
+    # Linear between sleepers at 0.25 m and so on behind the edge: the kink at 2 m is cut.
+    assert (now.width, other.width) == pytest.approx((4.5, 1.85))
+    assert now.force == 50e3 and (other.force, other.force_behind) == pytest.approx((60e3, 0.5))
+    assert other.force_plain == 50e3 and tracks[0].mean_force() == pytest.approx(50e3)
+
+
+def test_two_designs_have_a_verdict_without_words_of_stones(tmp_path):
+    runs = [folder(tmp_path / name, name == "with") for name in ("with", "without")]
+    ran = conftest.call("compare", *runs, "-o", tmp_path / "out")
+    assert ran.returncode == 0, ran.stderr
+    text = (tmp_path / "out/transition.txt").read_text(encoding="utf-8")
+    sentence = " ".join(text.split())
+    assert ("With the wedge the rail reaches 90% of its change from structure to plain track 4.5 m "
+            "behind the structure instead of 1.9 m, and the steepest part of the change is 60% "
+            "less steep: as expected of a wedge.") in sentence
+    assert "instead of 60.0 kN, 0.5 m behind the structure" in sentence
+    for word in (" bed", "stone", "packing", "settle"):
+        assert word not in text, word
+    assert {path.name for path in (tmp_path / "out").glob("*_wedge.csv")} == {
+        f"{what}_{design}_wedge.csv" for what in ("levels", "wheel_force")
+        for design in ("with", "without")}
+    assert (tmp_path / "out/levels_with_wedge.csv").read_text(encoding="utf-8").startswith(
+        "x_m,rail_down_mm,sleeper_down_mm\n1.75,0.4,0.2\n")
+
+
+def test_one_run_asks_for_a_second_one(tmp_path):
+    out = write.Folder(tmp_path / "out")
+    track_transition.draw_into([folder(tmp_path / "with")], out)
+    assert out.sentences == ["No verdict: give a second run, without the wedge."]
+    assert (tmp_path / "out/transition.png").exists()
+    plt.close("all")
+
+
+@pytest.mark.parametrize("what, words", [
+    ({"last": 965}, "the train has not passed the whole ground"),
+    ({"pulls": 0.2}, "rail pads are in tension")])
+def test_unsound_runs_have_no_verdict(tmp_path, what, words):
+    """Row 965 is at 48.25 m, behind the last sleeper whose level is used, at 48 m."""
+    runs = [folder(tmp_path / name, name == "with", **what) for name in ("with", "without")]
+    out = write.Folder(tmp_path / "out")
+    track_transition.draw_into(runs, out)
+    assert out.sentences[0].startswith(f"No verdict, since {words} (runs with wedge and "
+                                       "without wedge): this can change")
+    plt.close("all")
+
+
+def test_levels_under_an_axle_that_has_not_come_are_not_shown(tmp_path):
+    out = write.Folder(tmp_path / "out")
+    track_transition.draw_into([folder(tmp_path / "run", last=950)], out)
+    assert not out.sentences and not out.pictures
+
+
+@pytest.mark.parametrize("old, new", [
+    ("young = 30e9", "young = 1e9"), ('model = "track_on_ground"', 'model = "track"')])
+def test_a_ground_without_structure_has_no_transition(tmp_path, monkeypatch, old, new):
+    monkeypatch.setattr("test_track_transition.DECK", DECK.replace(old, new))
+    assert track_transition.of_folder(folder(tmp_path / "run")) is None
