@@ -1,8 +1,8 @@
-"""Figures of histories within the bed: sensors, stress paths, energies."""
+"""Figures of histories within the bed: sensors and energies."""
 import matplotlib.pyplot as plt
 import numpy as np
 
-from trackbed_post import measures, signals, stress_paths, train_strip
+from trackbed_post import measures, signals, train_strip
 from trackbed_post.bed_figures import COLOURS, mark_stages, needs
 from trackbed_post.panels import LINES, UP, curve, legend_below, wrapped
 
@@ -17,6 +17,17 @@ def time_in_passage(run):
     return rows, run.time[rows] - run.time[rows][0], words
 
 
+def _places(deck, names, origin):
+    """One for each x, m, of the sensors with these names, in the colour of the first one there."""
+    found = {}
+    for sensor in deck.get("sensor", []):
+        if sensor["name"] in names:
+            found.setdefault(sensor["at"][0] + origin, []).append(sensor["name"])
+    return [train_strip.Place(x, f"{', '.join(there)}, x = {x:g} m",
+                              curve(names.index(there[0]), 1)["color"])
+            for x, there in found.items()]
+
+
 def sensors(runs, origin=0.0):
     """Vertical motion of each sensor in the passage; displacement since the passage began. The
     sensors' x = 0 is at `origin`, m, in the coordinate of the wheels."""
@@ -25,9 +36,7 @@ def sensors(runs, origin=0.0):
               "acceleration": "acceleration (m/s2, up)"}
     names = list(dict.fromkeys(name for run in runs for name in run.sensors))
     train = train_strip.of_passage(runs[0])
-    places = [train_strip.Place(x := sensor["at"][0] + origin, f"{sensor['name']}, x = {x:g} m",
-                                curve(names.index(sensor["name"]), 1)["color"])
-              for sensor in runs[0].deck.get("sensor", []) if sensor["name"] in names]
+    places = _places(runs[0].deck, names, origin)
     shown = places[:MOST]
     figure, axes = train_strip.panels_below(train, shown, len(panels), (10, 8))
     for run, style in zip(runs, LINES):
@@ -140,5 +149,4 @@ def energy_split(runs):
     return figure
 
 
-FIGURES = {"energy": energy, "sensors": sensors, "stress_paths": stress_paths.draw,
-           "energy_split": energy_split}
+FIGURES = {"energy": energy, "sensors": sensors, "energy_split": energy_split}

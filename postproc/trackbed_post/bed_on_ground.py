@@ -12,8 +12,8 @@ import numpy as np
 from trackbed_post import (bed_figures, bed_histories, bed_warnings, contact_forces, figure_csv,
                            frequencies, ground_blocks, ground_transition, judgement, measures,
                            passage_warnings, passing_peaks, read, shades, signals,
-                           sleeper_histories, stage_histories, support, support_figure,
-                           third_octaves, write, zones)
+                           sleeper_histories, stage_histories, stress_paths, support,
+                           support_figure, third_octaves, write, zones)
 from trackbed_post.bed_figures import COLOURS, Missing, needs
 from trackbed_post.panels import END, HIDDEN, LINES, UP, legend_below, mark_ends, wrapped
 
@@ -312,7 +312,8 @@ def overview(runs):
 FIGURES = {"overview": overview, "sleepers": sleeper_histories.draw, "envelope": envelope,
            "stress": stress, "spectrum": spectra, "third_octaves": levels,
            "force_chains": force_chains, **bed_figures.FIGURES, **bed_histories.FIGURES,
-           "support": support_figure.draw, **stage_histories.FIGURES}
+           "stress_paths": stress_paths.draw, "support": support_figure.draw,
+           **stage_histories.FIGURES}
 
 
 # They show the rows of the passage, or of the last stage of a run without one.

@@ -80,7 +80,7 @@ class Results:
     seat: Quantities   # of a train on two rails: [time, seat], left before right
     wheel: Quantities  # of a train: `x`, m, nan beside the track, and `force`, N: [time, wheel]
     rail: Quantities   # of a train: `displacement`, m, above each sleeper or seat: [time, place]
-    sensors: dict[str, Quantities]  # per sensor: [time], [time, x y z]; stress [time, 6]
+    sensors: dict[str, Quantities]  # per sensor: [time], [time, x y z]; stresses [time, 6]
     placed: dict[str, Quantities]  # per stone placed by the deck: [time], [time, x y z]
     surfaces: dict[str, Quantities]  # per plate and box force, impulse, peak_force, displacement
     total: Quantities  # all stones placed by the deck: momentum, angular momentum, contacts

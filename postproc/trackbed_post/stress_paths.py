@@ -5,12 +5,15 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 
-from trackbed_post import figure_csv, measures, read
+from trackbed_post import figure_csv, measures, read, write
 from trackbed_post.bed_figures import needs
+from trackbed_post.bed_histories import time_in_passage
 from trackbed_post.panels import LINES, curve
 
-FAINT = 0.1  # of the largest shear stress: below it the direction of an almost isotropic stress
-#              follows from small disturbances
+# Of the largest t = (s1 - s3)/2: below it the direction of an almost isotropic stress follows from
+# small disturbances.
+FAINT = 0.1
+STARTS = (9, 6, 3.5)  # points, of the marks of starts, which may be at one place
 
 
 def of_regions(run: read.Results) -> dict[str, np.ndarray]:
@@ -19,16 +22,12 @@ def of_regions(run: read.Results) -> dict[str, np.ndarray]:
 
 
 def of_ground(run: read.Results) -> dict[str, np.ndarray]:
-    """Name of each sensor in the ground -> total stress, as of `of_regions`. Earlier results have
-    only its change since static equilibrium; no path can be drawn from them."""
-    found = {}
-    for name, sensor in run.sensors.items():
-        if "stress_static" not in sensor:
-            continue
-        static = sensor["stress_static"].values
-        words = "ground" if static.any() else "ground, without its weight"
-        found[f"{name} ({words})"] = static + sensor["stress"].values
-    return found
+    """Name of each sensor in the ground -> static stress and its change, as of `of_regions`; of a
+    track on a ground, which has no weight, the change alone. Earlier results of beds have no static
+    stress: no path can be drawn from them."""
+    words = "ground, change only" if run.deck.get("model") == "track_on_ground" else "ground"
+    return {f"{name} ({words})": sensor["stress_static"].values + sensor["stress"].values
+            for name, sensor in run.sensors.items() if "stress_static" in sensor}
 
 
 def of_run(run: read.Results) -> dict[str, np.ndarray]:
@@ -42,42 +41,42 @@ def unbroken(angle: np.ndarray) -> np.ndarray:
 
 
 def direction(stress: np.ndarray) -> np.ndarray:
-    """Inclination, degrees, of the largest compression in the plane of x and z; nan where the shear
-    stress in this plane is less than FAINT of its largest value."""
+    """Inclination, degrees, of the largest compression in the plane of x and z; nan where t in this
+    plane is less than FAINT of its largest value."""
     shear = measures.invariants(stress, plane=True)[1]
     angle = unbroken(np.degrees(measures.principal_direction(stress)))
-    return np.where(shear < FAINT * shear.max(initial=0), np.nan, angle)
+    return np.where(shear < FAINT * np.nanmax(shear, initial=0), np.nan, angle)
 
 
 def draw(runs: collections.abc.Sequence[read.Results]) -> Figure:
     """In the passage: deviatoric over mean stress, and the direction of the largest compression."""
-    needs(all(of_run(run) for run in runs),
-          "the results contain neither regions nor sensors in the ground")
+    found = [of_run(run) for run in runs]
+    needs(all(found), "the results contain neither regions nor sensors in the ground")
     plane = runs[0].deck.get("dimension") == "plane"
-    figure, (path, turn) = plt.subplots(1, 2, figsize=(11, 5), gridspec_kw={"wspace": 0.3})
-    for run, style in zip(runs, LINES):
-        rows = run.passage()
-        time = run.time[rows] - run.time[rows][0]
-        for number, (name, stress) in enumerate(of_run(run).items()):
+    figure, (path, turn) = plt.subplots(1, 2, figsize=(11, 5.4))
+    for run, stresses, style in zip(runs, found, LINES):
+        rows, time, label = time_in_passage(run)
+        for number, (name, stress) in enumerate(stresses.items()):
             mean, deviator = measures.invariants(stress[rows], plane)
             text = f"{run.name}: {name}"
             look = curve(number, len(time))
             path.plot(mean / 1e3, deviator / 1e3, style, lw=0.8, label=text, **look)
             start, = path.plot(mean[0] / 1e3, deviator[0] / 1e3, look["marker"],
-                               color=look["color"])
+                               color=look["color"], ms=STARTS[number % len(STARTS)])
             figure_csv.name(start, f"{text}, start")
             turn.plot(time, direction(stress[rows]), style, lw=0.8, label=text, **look)
     path.set_xlabel("s = (s1 + s3)/2 (kPa)" if plane else "mean compression p (kPa)")
     path.set_ylabel("t = (s1 - s3)/2 (kPa)" if plane else "deviatoric stress q (kPa)")
     path.set_title("Stress paths (filled: start)", fontsize=10)
-    turn.set_xlabel(f"time since the {runs[0].passage_name()} began (s)")
+    turn.set_xlabel(label)
     turn.set_ylabel("major principal stress in the plane of x and z:\ninclination from the "
                     "vertical, positive towards +x (degrees)")
-    turn.set_xlim(0, max(np.ptp(run.time[run.passage()]) for run in runs))
+    turn.set_xlim(left=0)
     turn.set_ylim(-90, 90)
-    turn.set_title("Rotation of the principal stress (not shown below\n"
-                   f"{100 * FAINT:g} % of the largest shear stress in this plane)", fontsize=10)
+    turn.set_title("Rotation of the principal stress (not shown where t in this\nplane is below "
+                   f"{100 * FAINT:g} % of its largest value in the passage)", fontsize=10)
     for panel in (path, turn):
         panel.grid(alpha=0.3)
         panel.legend(fontsize=8)
+    figure.tight_layout(rect=(0, write.origin_height(figure), 1, 1))
     return figure

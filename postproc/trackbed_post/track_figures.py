@@ -416,11 +416,14 @@ def sentences(name, run, deck, found):
 
 def sensors_in_ground(folder, deck):
     """Name and figure of the motion of sensors in the ground, and of stress paths there."""
-    run, ground = read.results(folder), track_stretch.ground_of(deck)
-    if ground is not None and run.sensors:
+    ground = track_stretch.ground_of(deck)
+    if ground is None or "sensor" not in deck:
+        return
+    run = read.results(folder)
+    if run.sensors:
         yield "sensors", bed_histories.sensors([run], ground.origin)
-        if stress_paths.of_ground(run):
-            yield "stress_paths", stress_paths.draw([run])
+    if stress_paths.of_ground(run):
+        yield "stress_paths", stress_paths.draw([run])
 
 
 def draw_into(results, folder):

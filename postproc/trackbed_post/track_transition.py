@@ -37,7 +37,7 @@ class TrackOnGround(transition.LoadedTrack):
 
     def heading(self) -> str:
         deck = self.run.deck
-        train, plane = deck.get("train", {}), deck.get("dimension") == "plane"
+        train, plane = deck.get("train", {}), deck.get("dimension", "plane") == "plane"
         model = f"plane model, {deck.get('thickness', 0):g} m thick" if plane else "model in space"
         names = collections.Counter(map(str, train.get("vehicles", [])))
         vehicles = ", ".join(f"{count} {name}" for name, count in names.items())
@@ -99,12 +99,14 @@ def draw_into(folders: collections.abc.Sequence[pathlib.Path], folder: write.Fol
         return
     tracks = transition.named(tracks)
     changes = transition.changes_of(tracks)
+    if changes is None:
+        return
     warned = [(one.name, one.warnings()) for one in tracks]
     unsound = bed_warnings.causes(warned)
     sentences = transition_verdict.sentences(tracks, changes, unsound)
-    folder.sentences.append(sentences)
     caption = transition_caption.of(tracks, changes, unsound, False)
     titles = transition_caption.titles(tracks, changes, unsound)
+    folder.sentences.append(sentences if len(tracks) > 1 else f"{titles[0]} {sentences}")
     folder.picture("transition", transition_figures.compare(tracks, changes, titles, caption))
     for name, text in transition.curves(tracks).items():
         folder.file(name, text)

@@ -27,15 +27,19 @@ class LoadedTrack(abc.ABC):
     downwards positive, m."""
     run: read.Results
     name: str
-    stones: bool   # below the sleepers, which then settle
-    of_mean: str   # of which wheels mean_force() is the mean, in words
-    axis: str      # label of x
+    stones: typing.ClassVar[bool]  # below the sleepers, which then settle
+    of_mean: typing.ClassVar[str]  # of which wheels mean_force() is the mean, in words
 
     @property
     def name_first(self):
         """The name as the first words of a sentence; that of a folder stays as it is."""
         return self.name if self.name.startswith(self.run.name) else \
             self.name[:1].upper() + self.name[1:]
+
+    @property
+    @abc.abstractmethod
+    def axis(self):
+        """Label of x."""
 
     @abc.abstractmethod
     def heading(self):
@@ -88,7 +92,10 @@ class Train(LoadedTrack):
     name: str = ""
     stones: typing.ClassVar[bool] = True
     of_mean: typing.ClassVar[str] = "all wheels on the bed"
-    axis: typing.ClassVar[str] = "x along the track, m"
+
+    @property
+    def axis(self):
+        return "x along the track, m"
 
     def heading(self):
         return model_drawing.heading(self.run)

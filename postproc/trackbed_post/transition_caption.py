@@ -4,6 +4,7 @@ whole verdict with all places and differences, and the warnings. Of `trains` and
 transition_verdict.py."""
 from __future__ import annotations
 
+import collections.abc
 import typing
 
 import numpy as np
@@ -16,10 +17,11 @@ from trackbed_post.transition_verdict import extends, length, slope, steepest
 OWN = "The sleepers' own levels (thin lines)"
 
 if typing.TYPE_CHECKING:
-    from trackbed_post.transition import Change, Train
+    from trackbed_post.transition import Change, LoadedTrack, Train
+    Tracks = collections.abc.Sequence[LoadedTrack]
 
 
-def level(trains: list[Train], changes: list[Change]) -> str:
+def level(trains: Tracks, changes: list[Change]) -> str:
     """Over which length the rail's level changes and how steeply, of one run or two, without a
     verdict."""
     first, *second = changes
@@ -34,18 +36,18 @@ def level(trains: list[Train], changes: list[Change]) -> str:
     return f"{words}; its steepest part is {steep}."
 
 
-def named(trains: list[Train], values: typing.Iterable[float], unit: str) -> str:
+def named(trains: Tracks, values: typing.Iterable[float], unit: str) -> str:
     """A value of one run, or of two with their names."""
     return with_names(trains, [f"{shown(value)} {unit}" for value in values])
 
 
-def with_names(trains: list[Train], texts: list[str]) -> str:
+def with_names(trains: Tracks, texts: list[str]) -> str:
     """A text of one run, or those of two with their names."""
     return texts[0] if len(texts) == 1 else " and ".join(
         f"{text} ({train.name})" for text, train in zip(texts, trains))
 
 
-def forces(trains: list[Train], changes: list[Change], unsound: str) -> str:
+def forces(trains: Tracks, changes: list[Change], unsound: str) -> str:
     """The largest wheel forces; beside those on plain track, if they are clearly larger."""
     largest = named(trains, (1e-3 * change.force for change in changes), "kN")
     words = f"Largest wheel force between structure and plain track: {largest}"
@@ -58,13 +60,13 @@ def forces(trains: list[Train], changes: list[Change], unsound: str) -> str:
     return f"{words}, and clearly larger than on plain track{only}." if larger else f"{words}."
 
 
-def on_plain_track(trains: list[Train], changes: list[Change]) -> str:
+def on_plain_track(trains: Tracks, changes: list[Change]) -> str:
     """The largest wheel forces there."""
     plain = named(trains, (1e-3 * change.force_plain for change in changes), "kN")
     return f"On plain track the largest wheel force is {plain}."
 
 
-def same_places(trains: list[Train], changes: list[Change]) -> bool:
+def same_places(trains: Tracks, changes: list[Change]) -> bool:
     """Whether the parts of the track have the same sleepers in all runs."""
     places = [[train.run.sleepers_x[part] for part in (
         change.zone.structure, change.zone.transition, change.zone.plain)]
@@ -73,14 +75,14 @@ def same_places(trains: list[Train], changes: list[Change]) -> bool:
                for parts in places[1:] for one, other in zip(places[0], parts))
 
 
-def limits(trains: list[Train], changes: list[Change]) -> str:
+def limits(trains: Tracks, changes: list[Change]) -> str:
     """What the numbers depend on, as far as the runs tell it, and with what they are to be
     compared."""
     scatter = slope(max(change.scatter for change in changes))
     other = "; structure, transition and plain track are other places in the second run" \
         if len(changes) > 1 and not same_places(trains, changes) else ""
     found = ["in this plane model loads do not spread across the track"] \
-        if trains[0].run.deck.get("dimension") == "plane" else []
+        if trains[0].run.deck.get("dimension", "plane") == "plane" else []
     if trains[0].stones:
         found.append("one packing of stones was computed")
     found.append(f"on plain track the rail changes by up to {scatter} between neighbouring "
@@ -107,7 +109,7 @@ def signed(value: float) -> str:
     return f"{'+' if value > 0 else ''}{shown(1e3 * value)}"
 
 
-def titles(trains: list[Train], changes: list[Change] | None, unsound: str) -> list[str]:
+def titles(trains: Tracks, changes: list[Change] | None, unsound: str) -> list[str]:
     """What the panels show: level, wheel force and, on stones, settlement. Without a verdict as
     numbers alone."""
     if changes is None:
@@ -117,10 +119,12 @@ def titles(trains: list[Train], changes: list[Change] | None, unsound: str) -> l
         why = transition_verdict.why_no_verdict(trains, changes) or unsound
         found = [level(trains, changes) if why else
                  transition_verdict.effect(trains, changes, True), forces(trains, changes, why)]
-    return [*found, settlement(trains, unsound)] if trains[0].stones else found
+    if trains[0].stones:
+        found.append(settlement(typing.cast("list[Train]", trains), unsound))
+    return found
 
 
-def own_levels(trains: list[Train], changes: list[Change]) -> str:
+def own_levels(trains: Tracks, changes: list[Change]) -> str:
     """How the sleepers' own levels change, each number with its verdict."""
     found, measure = transition_verdict.differences(trains, changes), \
         transition_verdict.measure_of(trains)
@@ -144,14 +148,14 @@ def own_levels(trains: list[Train], changes: list[Change]) -> str:
     return f"{words[0]}: {verdicts[0]}; {words[1]}: {verdicts[1]}."
 
 
-def judged(trains: list[Train], changes: list[Change]) -> list[str]:
+def judged(trains: Tracks, changes: list[Change]) -> list[str]:
     """Of two runs with a verdict: places on the rail, effect on sleepers, forces, limits."""
     both = ", instead of ".join(steepest(changes))
     return [f"The steepest change of the rail is {both}.", own_levels(trains, changes),
             on_plain_track(trains, changes), f"Limits: {limits(trains, changes)}"]
 
 
-def of(trains: list[Train], changes: list[Change] | None, unsound: str, warned: bool) -> str:
+def of(trains: Tracks, changes: list[Change] | None, unsound: str, warned: bool) -> str:
     """The text below the panels; `unsound`: why these beds have no verdict, `warned`: whether
     transition.txt has warnings."""
     why = transition_verdict.reasons(trains, changes, unsound)

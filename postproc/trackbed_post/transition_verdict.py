@@ -1,11 +1,12 @@
 """The verdict on two designs of a transition zone, with and without a wedge, under a train:
 sentences on the level of the rail and on wheel forces, or why there is no verdict.
 
-Of `trains` and `changes`, transition.Train and transition.Change of each run. Definition of the
-numbers: docs/postproc.md.
+Of `trains` and `changes`, transition.LoadedTrack and transition.Change of each run. Definition of
+the numbers: docs/postproc.md.
 """
 from __future__ import annotations
 
+import collections.abc
 import typing
 
 import numpy as np
@@ -16,14 +17,15 @@ from trackbed_post.judgement import (CLEAR, Difference, measure_words, shown, st
 from trackbed_post.zones import REACHED
 
 if typing.TYPE_CHECKING:
-    from trackbed_post.transition import Change, Train
+    from trackbed_post.transition import Change, LoadedTrack
+    Tracks = collections.abc.Sequence[LoadedTrack]
 
 Differences = dict[str, Difference]  # by names of fields, or of rows
 NO_EFFECT = "no clear effect"
 AT_END = 0.1  # m, nearer to the end of the structure a place is at the end: it is stated to 0.1 m
 
 
-def differences(trains: list[Train], changes: list[Change]) -> Differences:
+def differences(trains: Tracks, changes: list[Change]) -> Differences:
     """Field of Change -> Difference of the first run from the second."""
     now, other = changes
     ripple = max(change.force_plain - train.mean_force() for train, change in zip(trains, changes))
@@ -42,12 +44,12 @@ def differences(trains: list[Train], changes: list[Change]) -> Differences:
             "force": of("force", ripple, "kN", 1e-3, -1)}
 
 
-def what_differs(trains: list[Train]) -> str:
+def what_differs(trains: Tracks) -> str:
     """What the first run has and the second has not."""
     return ground_blocks.listed(ground_blocks.more_blocks(*(train.run for train in trains)))
 
 
-def why_no_verdict(trains: list[Train], changes: list[Change] | None) -> str:
+def why_no_verdict(trains: Tracks, changes: list[Change] | None) -> str:
     runs = [train.run for train in trains]
     if len(runs) < 2:
         measure = ground_blocks.listed(ground_blocks.measures_of(runs[0]))
@@ -72,7 +74,7 @@ def why_no_verdict(trains: list[Train], changes: list[Change] | None) -> str:
     return ""
 
 
-def reasons(trains: list[Train], changes: list[Change] | None, unsound: str) -> str:
+def reasons(trains: Tracks, changes: list[Change] | None, unsound: str) -> str:
     """Why there is no verdict, in the choice of the runs and in their beds; empty if there is
     one."""
     return "; ".join(filter(None, (why_no_verdict(trains, changes), unsound)))
@@ -129,7 +131,7 @@ def less_steep(found: Difference) -> str:
     return f"{abs(change):.0%} {'less steep' if change < 0 else 'steeper'}"
 
 
-def effect(trains: list[Train], changes: list[Change], sound: bool) -> str:
+def effect(trains: Tracks, changes: list[Change], sound: bool) -> str:
     """What the measure does to the level of the rail, in one sentence. `sound`: whether these beds
     have a verdict."""
     found, measure = differences(trains, changes), measure_of(trains)
@@ -148,7 +150,7 @@ def effect(trains: list[Train], changes: list[Change], sound: bool) -> str:
     return f"{over}: {judged[0]}; {part}: {judged[1]}."
 
 
-def of_sleepers(trains: list[Train], changes: list[Change], sound: bool) -> str:
+def of_sleepers(trains: Tracks, changes: list[Change], sound: bool) -> str:
     """The same of the sleepers' own levels, each quantity with a verdict of its own."""
     now, other = changes
     widths = now.sleeper_width, other.sleeper_width
@@ -160,7 +162,7 @@ def of_sleepers(trains: list[Train], changes: list[Change], sound: bool) -> str:
     return f"{numbers}: {of_both(trains, changes)}." if sound else f"{numbers}."
 
 
-def of_both(trains: list[Train], changes: list[Change]) -> str:
+def of_both(trains: Tracks, changes: list[Change]) -> str:
     """The verdicts on distance and slope of the sleepers' own levels."""
     differ, measure = differences(trains, changes), measure_of(trains)
     width, slopes = differ["sleeper_width"], differ["sleeper_steepest"]
@@ -190,7 +192,7 @@ def compared(found: Difference, name: str, more: str, less: str) -> str:
     return f"the {word}{name}"
 
 
-def measure_of(trains: list[Train]) -> str:
+def measure_of(trains: Tracks) -> str:
     """What only the first run has, as verdicts name it."""
     return measure_words(*(train.run for train in trains))
 
@@ -217,7 +219,7 @@ def of_slopes(found: Difference, stones: bool) -> str:
             f"{', where only the stones vary' if stones else ''}.")
 
 
-def evidence(trains: list[Train], changes: list[Change], sound: bool) -> str:
+def evidence(trains: Tracks, changes: list[Change], sound: bool) -> str:
     """The numbers behind the effect, and the limits with which they are compared."""
     now, other = changes
     found = differences(trains, changes)
@@ -233,7 +235,7 @@ def evidence(trains: list[Train], changes: list[Change], sound: bool) -> str:
         f"{shown(1e-3 * other.force)} kN, {place(other.force_behind)}{force}.")
 
 
-def verdict(trains: list[Train], changes: list[Change] | None, unsound: str = "") -> str:
+def verdict(trains: Tracks, changes: list[Change] | None, unsound: str = "") -> str:
     """Sentences on the effect of the wedge, or why there is none. `unsound`: why these beds have no
     verdict (bed_warnings.py); the numbers are stated all the same."""
     if why_no_verdict(trains, changes) or changes is None:
@@ -247,7 +249,7 @@ def verdict(trains: list[Train], changes: list[Change] | None, unsound: str = ""
     return f"{numbers} {cause_of_forces(trains, changes)}{packing}"
 
 
-def clearly_larger(trains: list[Train], changes: list[Change]) -> list[Train]:
+def clearly_larger(trains: Tracks, changes: list[Change]) -> list[LoadedTrack]:
     """Those whose largest wheel force in the transition is clearly larger than on plain track."""
     return [train for train, change in zip(trains, changes)
             if change.force > change.force_plain and Difference(
@@ -255,7 +257,7 @@ def clearly_larger(trains: list[Train], changes: list[Change]) -> list[Train]:
                 "kN").clear]
 
 
-def cause_of_forces(trains: list[Train], changes: list[Change]) -> str:
+def cause_of_forces(trains: Tracks, changes: list[Change]) -> str:
     """A sentence: whether wheel forces in the transition are clearly larger than elsewhere."""
     larger = clearly_larger(trains, changes)
 
@@ -312,7 +314,7 @@ def beside_structure(run: read.Results) -> str:
             "wedge, the second run is not without one (present = false).")
 
 
-def sentences(trains: list[Train], changes: list[Change] | None, unsound: str) -> str:
+def sentences(trains: Tracks, changes: list[Change] | None, unsound: str) -> str:
     """The verdict, and how it differs from that on the ground."""
     found = verdict(trains, changes, unsound)
     if unsound or changes is None or why_no_verdict(trains, changes):

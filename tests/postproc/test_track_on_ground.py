@@ -153,10 +153,17 @@ def test_sensors_in_the_ground_are_below_the_train(monkeypatch, tmp_path):
     figures = dict(track_figures.sensors_in_ground(folder, track_figures.deck_of(folder)))
     words, times = marked[0]
     assert words == "soil, x = 13 m" and times == pytest.approx([13 / 20, 15 / 20])
-    label = "w: soil (ground, without its weight)"
+    label = "w: soil (ground, change only)"
     angle, = [one.get_ydata() for one in figures["stress_paths"].axes[1].lines
               if one.get_label() == label]
     assert angle[2:-1] == pytest.approx(np.degrees(np.pi - turn[2:-1]) / 2)  # 90 is also -90
+    out = write.Folder(tmp_path / "out")
+    track_figures.draw_into([folder], out)
+    assert {"sensors", "stress_paths"} <= {path.stem for path in out.pictures}
+    with h5py.File(folder / "results.h5", "r+") as file:
+        del file["history/sensor/soil/stress_static"]  # as of earlier results
+    assert list(dict(track_figures.sensors_in_ground(folder, track_figures.deck_of(folder)))) == [
+        "sensors"]
     plt.close("all")
 
 

@@ -117,7 +117,10 @@ def test_two_designs_have_a_verdict_without_words_of_stones(tmp_path):
 def test_one_run_asks_for_a_second_one(tmp_path):
     out = write.Folder(tmp_path / "out")
     track_transition.draw_into([folder(tmp_path / "with")], out)
-    assert out.sentences == ["No verdict: give a second run, without the wedge."]
+    number, where = out.sentences[0].split("mm/m, ")  # it is as steep along the whole wedge
+    assert number == ("The change of the rail's lowest level from structure to plain track extends "
+                      "over 4.5 m; its steepest part is 0.12 ")
+    assert where.endswith(" the structure. No verdict: give a second run, without the wedge.")
     assert (tmp_path / "out/transition.png").exists()
     plt.close("all")
 

@@ -71,6 +71,8 @@ def installed_on_debian(source, package, root):
     run("mpirun", "-n", "2", "--oversubscribe", "trackbed", "run",
         "/usr/share/trackbed/inputs/verify/stack.toml", "output.fields=true", "-o", "/results")
     run("trackbed_post", "still", "/results", "-o", "/still.png")
+    if not (root / "still.png").read_bytes().startswith(b"\x89PNG"):
+        raise SystemExit("trackbed_post still on a fresh Debian: no picture")
     listed = run("trackbed_post", "list", "/results")
     if "history/time" not in listed:
         raise SystemExit(f"trackbed_post list on a fresh Debian: {listed}")
