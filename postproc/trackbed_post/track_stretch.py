@@ -98,11 +98,11 @@ def blocks_of(deck: read.Deck) -> list[ground_blocks.Stretch]:
     if ground is None:
         return []
     return [dataclasses.replace(one, low=one.low + ground.origin, high=one.high + ground.origin)
-            for one in ground_blocks.stretches(_Run(deck))]
+            for one in ground_blocks.stretches(WithDeck(deck))]
 
 
 @dataclasses.dataclass(frozen=True)
-class _Run:
+class WithDeck:
     """What ground_blocks needs of a run."""
     deck: read.Deck
 

@@ -28,6 +28,7 @@ class LoadedTrack(abc.ABC):
     run: read.Results
     name: str
     stones: typing.ClassVar[bool]  # below the sleepers, which then settle
+    spread: typing.ClassVar[str]   # what differs from place to place on plain track
     of_mean: typing.ClassVar[str]  # of which wheels mean_force() is the mean, in words
 
     @property
@@ -40,6 +41,11 @@ class LoadedTrack(abc.ABC):
     @abc.abstractmethod
     def axis(self):
         """Label of x."""
+
+    @property
+    def bin(self):
+        """m, of the curve of the largest wheel force along the track."""
+        return BIN
 
     @abc.abstractmethod
     def heading(self):
@@ -62,10 +68,10 @@ class LoadedTrack(abc.ABC):
         """Mean of wheel forces, N, about the static load."""
 
     def largest_force(self):
-        """x, m, and the largest force of any wheel there, N, over the sleepers: in bins of BIN, x
-        of their middles."""
+        """x, m, and the largest force of any wheel there, N, over the sleepers: in bins, x of their
+        middles."""
         low, high = self.run.sleepers_x[[0, -1]]
-        edges = np.arange(low, high + BIN, BIN)
+        edges = np.arange(low, high + self.bin, self.bin)
         x, force = self.wheels()
         number = np.digitize(x, edges) - 1
         found = np.full(len(edges) - 1, np.nan)
@@ -91,6 +97,7 @@ class Train(LoadedTrack):
     passing: train_figures.Passing
     name: str = ""
     stones: typing.ClassVar[bool] = True
+    spread: typing.ClassVar[str] = "scatter"
     of_mean: typing.ClassVar[str] = "all wheels on the bed"
 
     @property

@@ -31,7 +31,7 @@ def level(trains: Tracks, changes: list[Change]) -> str:
     for train, change in zip(trains[1:], second):
         both = np.isfinite([first.width, change.width]).all()
         words += f", {train.name} {length(change.width) if both else extends('it', change.width)}"
-    begin, *others = steepest(changes)
+    begin, *others = steepest(changes, trains[0].spread)
     steep = begin + "".join(f", {train.name} {one}" for train, one in zip(trains[1:], others))
     return f"{words}; its steepest part is {steep}."
 
@@ -137,7 +137,7 @@ def own_levels(trains: Tracks, changes: list[Change]) -> str:
              f"their steepest change is {steep} instead of {than}"]
     verdicts = [transition_verdict.judged_of(one, measure) for one in both]
     if all(transition_verdict.in_scatter(changes, "sleeper_")):
-        words[1] += ", not larger than the scatter on plain track"
+        words[1] += f", not larger than the {trains[0].spread} on plain track"
         verdicts[1] = "no verdict from it"
     if not known:
         return f"{words[0]}; {words[1]}: {verdicts[1]}."
@@ -150,7 +150,7 @@ def own_levels(trains: Tracks, changes: list[Change]) -> str:
 
 def judged(trains: Tracks, changes: list[Change]) -> list[str]:
     """Of two runs with a verdict: places on the rail, effect on sleepers, forces, limits."""
-    both = ", instead of ".join(steepest(changes))
+    both = ", instead of ".join(steepest(changes, trains[0].spread))
     return [f"The steepest change of the rail is {both}.", own_levels(trains, changes),
             on_plain_track(trains, changes), f"Limits: {limits(trains, changes)}"]
 

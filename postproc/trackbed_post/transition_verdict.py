@@ -36,12 +36,15 @@ def differences(trains: Tracks, changes: list[Change]) -> Differences:
     def width(field: str) -> Difference:
         return of(field, measures.spacing(trains[0].run), "m", 1, 1, "one sleeper spacing")
 
+    plain = f"the {trains[0].spread} on plain track"
+
     def steepest(field: str, scatter: str) -> Difference:
-        return of(field, max(getattr(change, scatter) for change in changes), "mm/m", 1e3, -1)
+        return of(field, max(getattr(change, scatter) for change in changes), "mm/m", 1e3, -1,
+                  plain)
     return {"width": width("width"), "steepest": steepest("steepest", "scatter"),
             "sleeper_width": width("sleeper_width"),
             "sleeper_steepest": steepest("sleeper_steepest", "sleeper_scatter"),
-            "force": of("force", ripple, "kN", 1e-3, -1)}
+            "force": of("force", ripple, "kN", 1e-3, -1, plain)}
 
 
 def what_differs(trains: Tracks) -> str:
@@ -111,11 +114,12 @@ def in_scatter(changes: list[Change], of: str = "") -> list[bool]:
     return [getattr(change, f"{of}steepest") <= scatter for change in changes]
 
 
-def steepest(changes: list[Change], of: str = "") -> list[str]:
-    """The steepest change of each run, with its place if it stands for the transition."""
+def steepest(changes: list[Change], spread: str, of: str = "") -> list[str]:
+    """The steepest change of each run, with its place if it stands for the transition; `spread` of
+    LoadedTrack."""
     found = []
     for change, unclear in zip(changes, in_scatter(changes, of)):
-        where = "not larger than the scatter" if unclear else \
+        where = f"not larger than the {spread}" if unclear else \
             place(getattr(change, f"{of}steepest_behind"))
         found.append(f"{slope(getattr(change, f'{of}steepest'))}, {where}")
     return found
@@ -141,7 +145,8 @@ def effect(trains: Tracks, changes: list[Change], sound: bool) -> str:
             f"{length(changes[1].width)}")
     part = f"the steepest part of the change is {less_steep(found['steepest'])}"
     if all(in_scatter(changes)):
-        part = "the steepest part is in neither run larger than the scatter on plain track"
+        part = (f"the steepest part is in neither run larger than the {trains[0].spread} on plain "
+                "track")
         judged[1] = "no verdict from it"
     if not sound:
         return f"{over}, and {part}."
@@ -153,12 +158,12 @@ def effect(trains: Tracks, changes: list[Change], sound: bool) -> str:
 def of_sleepers(trains: Tracks, changes: list[Change], sound: bool) -> str:
     """The same of the sleepers' own levels, each quantity with a verdict of its own."""
     now, other = changes
-    widths = now.sleeper_width, other.sleeper_width
+    widths, spread = (now.sleeper_width, other.sleeper_width), trains[0].spread
     over = f"extends over {length(widths[0])} instead of {length(widths[1])}"
     if not np.isfinite(widths).all():
         over = "has no distance in both runs, since its end is not reached"
     numbers = (f"The change of the sleepers' own levels {over}; its steepest part is "
-               f"{', instead of '.join(steepest(changes, 'sleeper_'))}")
+               f"{', instead of '.join(steepest(changes, spread, 'sleeper_'))}")
     return f"{numbers}: {of_both(trains, changes)}." if sound else f"{numbers}."
 
 
@@ -169,8 +174,8 @@ def of_both(trains: Tracks, changes: list[Change]) -> str:
     found = [(compared(width, "distance", "longer", "shorter"), judged_of(width, measure)),
              (compared(slopes, "slope", "larger", "smaller"), judged_of(slopes, measure))]
     if all(in_scatter(changes, "sleeper_")):
-        found[1] = ("the slope", "not larger than the scatter on plain track, so that no verdict "
-                    "follows from it")
+        found[1] = ("the slope", f"not larger than the {trains[0].spread} on plain track, so that "
+                    "no verdict follows from it")
     if found[0][1] != found[1][1]:
         return ", ".join(f"{name} is {verdict}" for name, verdict in found)
     if found[0][1] == NO_EFFECT:
@@ -226,10 +231,11 @@ def evidence(trains: Tracks, changes: list[Change], sound: bool) -> str:
     widths, slopes = (of_distances(found["width"]),
                       of_slopes(found["steepest"], trains[0].stones)) if sound else ("", "")
     force = f": {found['force'].words(measure_of(trains))}" if sound else ""
+    steep = ", instead of ".join(steepest(changes, trains[0].spread))
     return (
         "The change is that of the lowest level of the rail under the train; it extends from the "
         f"end of the structure to where {REACHED:.0%} of it is reached.{widths} The steepest "
-        f"change between two sleepers is {', instead of '.join(steepest(changes))}.{slopes} "
+        f"change between two sleepers is {steep}.{slopes} "
         f"{of_sleepers(trains, changes, sound)} The largest wheel force in the transition is "
         f"{shown(1e-3 * now.force)} kN, {place(now.force_behind)}, instead of "
         f"{shown(1e-3 * other.force)} kN, {place(other.force_behind)}{force}.")

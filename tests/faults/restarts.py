@@ -57,6 +57,7 @@ def shortened(program, path, given):
     words = ["output.history_interval=0", "output.checkpoint_interval=0"]
     if deck.get("model", "bed") != "ground":
         words.append("dem.largest_overlap=1000")  # stones have no time to settle
+    jumps = any(stage.get("kind") == "jump" for stage in deck["stage"])
     for number, stage in enumerate(deck["stage"]):
         key = f"stage.{number}"
         windows = count.get(stage["name"], count.get("", 0))
@@ -81,7 +82,7 @@ def shortened(program, path, given):
         if kind == "jump":
             words += ["jump.cycles=2", f"jump.period={length / 4:.6g}"]
         elif stage.get("cycles", 0) > 4:
-            words.append(f"{key}.cycles=3")  # more than jump.cycles
+            words.append(f"{key}.cycles={3 if jumps else 2}")  # more than jump.cycles
     return words
 
 
