@@ -7,10 +7,10 @@ Each trial starts a run with `--or-resume` on 1 to 4 ranks, kills one rank, mpir
 with SIGKILL after a random time, or ends mpirun with SIGTERM as a queue does, and starts it again
 on another number of ranks, until it has been killed five times; then it may finish. The first kill
 comes while the run creates its file of results, which takes a few milliseconds. Histories and
-state must be bitwise those of an undisturbed run. With implicit steps of the ground the bits depend
-on the number of ranks: these runs have two. Checkpoints are written all the time, so that many
-kills hit one that is being written. The exit code is 1 if there are findings, whose folders and
-messages are kept.
+state must be bitwise those of an undisturbed run, but for SOLVED of support/results.py. With
+implicit steps of the ground the bits depend on the number of ranks: these runs have two.
+Checkpoints are written all the time, so that many kills hit one that is being written. The exit
+code is 1 if there are findings, whose folders and messages are kept.
 """
 import argparse
 import collections
