@@ -277,7 +277,8 @@ Measurement measured_of(const double* sum, double volume) {
   const auto mean = [](double total, double count) { return count > 0 ? total / count : 0; };
   const auto deviation = [&](double total, double squares) {
     const double middle = mean(total, sum[stones]);
-    return std::sqrt(std::max(0.0, mean(squares, sum[stones]) - middle * middle));
+    const double square = mean(squares, sum[stones]) - middle * middle;
+    return square < 0 ? 0 : std::sqrt(square);  // by rounding; what is not finite remains so
   };
   Measurement m;
   m.porosity = 1 - sum[solid] / volume;
@@ -316,7 +317,7 @@ void Region::declare(input::Section& s) {
   const bool whole =
       std::all_of(cells.begin(), cells.end(), [](double n) { return n == std::floor(n); });
   s.rule("cells", whole, "must be whole numbers");
-  // Each cell has 24 numbers in every row of the histories.
+  // Each cell has numbers_of_cell numbers in every row of the histories.
   constexpr double most = 1e4;
   const double all = std::accumulate(cells.begin(), cells.end(), 1.0, std::multiplies<>());
   s.rule("cells", all <= most,

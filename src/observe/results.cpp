@@ -45,26 +45,66 @@ std::vector<Column> sleeper_columns() {
           {"history/sleeper/reaction", {"N", "vertical, of the stones, mean of the last window"}}};
 }
 
-// Columns of one region: one number per cell, or the six of a tensor (xx yy zz xy xz yz).
+// A number of each cell of a region, and its dataset.
+struct CellColumn {
+  const char* name;
+  io::Label label;
+  double Measurement::*number;
+};
+
+const std::vector<CellColumn>& cell_columns() {
+  using M = Measurement;
+  static const std::vector<CellColumn> columns{
+      {"porosity", {"-", "volume fraction of voids in each cell, x fastest, then y"}, &M::porosity},
+      {"bulk_density", {"kg/m3", "mass of stones divided by volume of the cell"}, &M::bulk_density},
+      {"stones", {"-", "number of stones with their centre in the cell"}, &M::stones},
+      {"coordination",
+       {"-", "mean number of stones and surfaces that touch a stone with its centre in the cell"},
+       &M::coordination},
+      {"contacts",
+       {"-", "number of contacts with their branch midpoint in the cell"},
+       &M::contacts},
+      {"contact_force", {"N", "mean magnitude of the contact forces"}, &M::contact_force},
+      {"speed", {"m/s", "mean of the stones with their centre in the cell"}, &M::speed},
+      {"speed_deviation",
+       {"m/s", "standard deviation over these stones, divisor: their number"},
+       &M::speed_deviation},
+      {"largest_speed", {"m/s", "of these stones"}, &M::largest_speed},
+      {"stone_force",
+       {"N", "mean magnitude of the sum of the contact forces on one of these stones"},
+       &M::stone_force},
+      {"stone_force_deviation",
+       {"N", "standard deviation of this magnitude over these stones, divisor: their number"},
+       &M::stone_force_deviation},
+      {"largest_stone_force", {"N", "largest magnitude of this sum"}, &M::largest_stone_force}};
+  return columns;
+}
+
+// The tensors of each cell, six numbers.
+struct TensorColumn {
+  const char* name;
+  io::Label label;
+  Tensor Measurement::*tensor;
+};
+
+const std::array<TensorColumn, 2>& tensor_columns() {
+  static const std::array<TensorColumn, 2> columns{
+      TensorColumn{"stress",
+                   {"Pa", "Love-Weber, xx yy zz xy xz yz of each cell, tension positive"},
+                   &Measurement::stress},
+      TensorColumn{"fabric",
+                   {"-", "mean n n^T of the contacts' normals, components as of stress"},
+                   &Measurement::fabric}};
+  return columns;
+}
+
+// Columns of one region, in the order in which `sample_regions` fills them.
 std::vector<Column> region_columns(const std::string& name) {
   const std::string group = "history/region/" + name + "/";
-  return {
-      {group + "porosity", {"-", "volume fraction of voids in each cell, x fastest, then y"}},
-      {group + "bulk_density", {"kg/m3", "mass of stones divided by volume of the cell"}},
-      {group + "stones", {"-", "number of stones with their centre in the cell"}},
-      {group + "coordination",
-       {"-", "mean number of stones and surfaces that touch a stone with its centre in the cell"}},
-      {group + "contacts", {"-", "number of contacts with their branch midpoint in the cell"}},
-      {group + "contact_force", {"N", "mean magnitude of the contact forces"}},
-      {group + "speed", {"m/s", "mean of the stones with their centre in the cell"}},
-      {group + "speed_deviation", {"m/s", "standard deviation over these stones"}},
-      {group + "largest_speed", {"m/s", "of these stones"}},
-      {group + "stone_force",
-       {"N", "mean magnitude of the sum of the contact forces on one of these stones"}},
-      {group + "stone_force_deviation", {"N", "standard deviation of it over these stones"}},
-      {group + "largest_stone_force", {"N", "largest magnitude of this sum"}},
-      {group + "stress", {"Pa", "Love-Weber, xx yy zz xy xz yz of each cell, tension positive"}},
-      {group + "fabric", {"-", "mean n n^T of the contacts' normals, components as of stress"}}};
+  std::vector<Column> columns;
+  for (const CellColumn& one : cell_columns()) columns.push_back({group + one.name, one.label});
+  for (const TensorColumn& one : tensor_columns()) columns.push_back({group + one.name, one.label});
+  return columns;
 }
 
 }  // namespace
@@ -376,15 +416,10 @@ void Results::Impl::sample_regions(const dem::Particles& particles) {
       }
       ++column;
     };
-    for (const auto figure :
-         {&Measurement::porosity, &Measurement::bulk_density, &Measurement::stones,
-          &Measurement::coordination, &Measurement::contacts, &Measurement::contact_force,
-          &Measurement::speed, &Measurement::speed_deviation, &Measurement::largest_speed,
-          &Measurement::stone_force, &Measurement::stone_force_deviation,
-          &Measurement::largest_stone_force})
-      put(1, [&](const Measurement& cell) { return &(cell.*figure); });
-    for (const auto tensor : {&Measurement::stress, &Measurement::fabric})
-      put(6, [&](const Measurement& cell) { return (cell.*tensor).data(); });
+    for (const CellColumn& each : cell_columns())
+      put(1, [&](const Measurement& cell) { return &(cell.*each.number); });
+    for (const TensorColumn& each : tensor_columns())
+      put(6, [&](const Measurement& cell) { return (cell.*each.tensor).data(); });
   }
 }
 

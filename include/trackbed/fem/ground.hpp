@@ -287,7 +287,7 @@ class Ground {
   };
   TopMotion top_motion(std::int32_t node) const;
   // Of each place, m; y is not used in a plane. Bitwise the same on any number of ranks with an
-  // explicit ground. Collective, as states_at.
+  // explicit ground, the static stress only if the ground yields. Collective, as states_at.
   std::vector<GroundPoint> locate(std::span<const Vec3> places) const;
   std::vector<GroundPointState> states_at(std::span<const GroundPoint> points) const;
   // kg, lumped; divided evenly among the nodes of the surface with the same motion, that is the two

@@ -45,9 +45,14 @@ struct SensorReading {
   std::array<double, 6> stress{}, stress_static{};
 };
 
+// Numbers of a sensor in each row of the histories: motion, and in the ground both stresses, in the
+// bed number and place of the stones.
+constexpr int numbers_of_reading(SensorKind kind) { return kind == SensorKind::ground ? 21 : 13; }
+
 // The same on all ranks; readings are bitwise identical on any number of ranks (with an implicit
-// ground as its state is), but `stress_static` only to the tolerance of the static solution, which
-// is iterative.
+// ground as its state is), but `stress_static` in an elastic ground only to the tolerance of the
+// static solution, which is iterative. It is part of each row, although constant, because a stage
+// may compute the equilibrium at any time.
 class Sensors {
  public:
   Sensors(const par::Comm& comm, const std::vector<Sensor>& sensors, double gravity);

@@ -48,9 +48,10 @@ double size_of_histories(const Model& model, const StageActions& actions, double
   for (const observe::Region& region : model.regions) {
     const auto& n = region.cells;
     const double cells = region.kind == observe::RegionKind::box ? n[0] * n[1] * n[2] : 1;
-    numbers += 22 * cells;
+    numbers += observe::numbers_of_cell * cells;
   }
-  numbers += 14 * static_cast<double>(model.sensors.size());
+  for (const observe::Sensor& sensor : model.sensors)
+    numbers += observe::numbers_of_reading(sensor.kind);
   return 8e-6 * numbers * std::min(windows, seconds / model.output.history_interval);
 }
 

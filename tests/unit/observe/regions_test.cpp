@@ -330,8 +330,9 @@ TEST(Regions, PartnersWithTwoContactsCountOnce) {
   dem::Particles stones(world, test::one_material(springs(), density), {.gravity = 0},
                         test::box({-1, -1, -1}, {1, 1, 1}));
   stones.add_template(geom::template_of({geom::ball({-r, 0, 0}, r), geom::ball({r, 0, 0}, r)}));
-  std::vector<dem::NewParticle> pair(2);
-  pair[1].id = 1;
+  std::vector<dem::NewParticle> pair(3);  // the third one touches nothing
+  pair[1].id = 1, pair[2].id = 2;
+  pair[2].position = {0, 5 * r, 0};
   for (dem::NewParticle& stone : pair) stone.scale = 1;
   pair[1].position = {0, 0, 2 * r - 1e-4};
   pair[0].velocity = {0.3, 0, 0}, pair[1].velocity = {0, 0.1, 0};
@@ -340,13 +341,14 @@ TEST(Regions, PartnersWithTwoContactsCountOnce) {
   const auto all = box({-0.5, 0.5}, {-0.5, 0.5}, {-0.5, 0.5});
   const observe::Measurement m = observe::measure(world, stones, all).at(0);
   EXPECT_EQ(m.contacts, 2);
-  EXPECT_NEAR(m.coordination, 1, rounding);
-  EXPECT_NEAR(m.speed, 0.2, 1e-9);  // changed by forces of 200 N in 1e-12 s by 1e-10 m/s
-  EXPECT_NEAR(m.speed_deviation, 0.1, 1e-9);
+  EXPECT_NEAR(m.coordination, 2.0 / 3, rounding);
+  // 0.3, 0.1 and 0 m/s, changed by forces of 200 N in 1e-12 s by 1e-10 m/s.
+  EXPECT_NEAR(m.speed, 0.4 / 3, 1e-9);
+  EXPECT_NEAR(m.speed_deviation, std::sqrt(0.1 / 3 - 0.16 / 9), 1e-9);
   EXPECT_NEAR(m.largest_speed, 0.3, 1e-9);
   const double force = 2 * k_n * 1e-4;  // on each, of two contacts
-  EXPECT_NEAR(m.stone_force, force, 1e-6 * force);
-  EXPECT_NEAR(m.stone_force_deviation, 0, 1e-6 * force);
+  EXPECT_NEAR(m.stone_force, 2 * force / 3, 1e-6 * force);
+  EXPECT_NEAR(m.stone_force_deviation, std::sqrt(2.0) / 3 * force, 1e-6 * force);
   EXPECT_NEAR(m.largest_stone_force, force, 1e-6 * force);
 }
 

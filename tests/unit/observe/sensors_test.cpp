@@ -233,7 +233,7 @@ fem::GroundParameters soil() {
 // Each reads its own point, in the order of the deck, whatever lies between.
 TEST_F(Sensors, InTheGroundReadItsMotion) {
   fem::Ground ground(comm, soil(), Dimension::space, 1);
-  std::vector<Vec3> load(ground.top().nodes(), Vec3(0, 0, 0));
+  std::vector<Vec3> load(ground.top().nodes(), Vec3(0, 0, -300));
   ground.settle(load);
   for (std::size_t n = 0; n < load.size(); ++n)
     load[n].z() = -1e3 * (1 + ground.top().position[n].x());
@@ -253,6 +253,9 @@ TEST_F(Sensors, InTheGroundReadItsMotion) {
     EXPECT_EQ(reading.velocity, states[k].velocity);
     EXPECT_EQ(reading.acceleration, states[k].acceleration);
     EXPECT_EQ(reading.stress, states[k].stress);
+    EXPECT_EQ(reading.stress_static, states[k].stress_static);
+    EXPECT_NE(reading.stress_static, reading.stress);
+    EXPECT_LT(reading.stress_static[2], -100);  // of weight and load, Pa
   }
   EXPECT_EQ(readings[1].stones, 0);
 }
