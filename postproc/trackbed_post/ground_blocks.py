@@ -212,14 +212,16 @@ def shallow(results: read.Results) -> str:
     return f"; {joined(found)} {verb} stiff enough, but not deep enough"
 
 
+def is_behind(results: read.Results, block: Block) -> bool:
+    """Whether a part of a block is behind the edge of the structure, where changes are measured."""
+    edge = edge_of_structure(results)
+    return edge is not None and \
+        bool(np.max(direction(results, edge) * (block.x - edge)) > TINY)
+
+
 def wedge_words(results: read.Results) -> str:
     """The measures that are present behind the edge of the structure in words; empty if none is."""
-    edge = edge_of_structure(results)
-    if edge is None:
-        return ""
-    turn = direction(results, edge)
-    return listed(block for block in measures_of(results)
-                  if np.max(turn * (block.x - edge)) > TINY)
+    return listed(block for block in measures_of(results) if is_behind(results, block))
 
 
 def listed(blocks: collections.abc.Iterable[Block]) -> str:

@@ -14,7 +14,8 @@ from trackbed_post import deck_differences, ground_blocks, read
 SMALL = 0.9995e-4  # a number that rounds to less than 1e-4 has an exponent
 CLEAR = 0.10  # a smaller relative difference is no clear effect
 NO_PAIR = "the first run must have all blocks of the second and at least one more (the wedge)"
-NOT_COMPARED = ("title", "start", "output")  # parts of decks in which two designs may differ
+# Parts of decks in which two designs may differ: none changes what happens in a run.
+NOT_COMPARED = ("title", "start", "output", "sensor", "region", "passage.points")
 CELL = "bed.cell"
 PLAIN = "the scatter on plain track"
 
@@ -77,8 +78,15 @@ def why_no_pair(first: read.Results, second: read.Results) -> str:
     the decks are equal otherwise."""
     if ground_blocks.differ_by_wedge(first, second):
         keys = _different_keys(first, second)
-        what = ground_blocks.listed(ground_blocks.more_blocks(first, second))
-        return f"the decks differ in {', '.join(keys)}, not only in the {what}" if keys else ""
+        more = ground_blocks.more_blocks(first, second)
+        what = ground_blocks.listed(more)
+        if keys:
+            return f"the decks differ in {', '.join(keys)}, not only in the {what}"
+        edge = ground_blocks.edge_of_structure(first)  # none: the measurement states it
+        if edge is not None and not any(ground_blocks.is_behind(first, block) for block in more):
+            return (f"the {what} is not behind the end of the structure that is judged, at x = "
+                    f"{edge:.2f} m")
+        return ""
     if ground_blocks.differ_by_wedge(second, first):
         what = ground_blocks.listed(ground_blocks.more_blocks(second, first))
         return (f"{NO_PAIR}; here the second one, {second.name}, has the {what}: exchange the two "

@@ -122,6 +122,31 @@ def test_the_structure_may_be_at_the_larger_x(tmp_path):
     assert (change.plain_begin, change.plain_end) == pytest.approx((5.75, 23.75))
 
 
+def test_a_wedge_at_the_other_end_of_the_structure_is_not_judged(tmp_path, monkeypatch):
+    """Of a structure inside the ground the end at the larger x is judged."""
+    deck = DECK.replace("[0.0, 0.0, 10.0, 0.0, 10.0, -2.0, 0.0, -2.0]",
+                        "[6.0, 0.0, 10.0, 0.0, 10.0, -2.0, 6.0, -2.0]")
+    monkeypatch.setattr("test_track_transition.DECK", deck.replace(
+        "[10.0, 0.0, 15.0, 0.0, 10.0, -2.0]", "[4.0, 0.0, 6.0, 0.0, 6.0, -2.0]"))
+    runs = [folder(tmp_path / name, name == "with") for name in ("with", "without")]
+    out = write.Folder(tmp_path / "out")
+    track_transition.draw_into(runs, out)
+    assert out.sentences == ["No verdict: the wedge is not behind the end of the structure that is "
+                             "judged, at x = 10.00 m."]
+    plt.close("all")
+
+
+def test_points_and_sensors_may_differ(tmp_path, monkeypatch):
+    first = folder(tmp_path / "with")
+    monkeypatch.setattr("test_track_transition.DECK", DECK.replace(
+        "step = 5e-4", "step = 5e-4\npoints = [20.0]") + (
+            '[[sensor]]\nname = "soil"\nkind = "ground"\nat = [12.0, 0.0, -1.0]\n'))
+    out = write.Folder(tmp_path / "out")
+    track_transition.draw_into([first, folder(tmp_path / "without", False)], out)
+    assert out.sentences[0].startswith("With the wedge the rail reaches")
+    plt.close("all")
+
+
 def test_a_difference_within_the_variation_on_plain_track_is_not_clear(tmp_path):
     runs = [folder(tmp_path / name, name == "with", uneven=2e-4) for name in ("with", "without")]
     out = write.Folder(tmp_path / "out")
