@@ -26,6 +26,7 @@ from kills import ranks_of  # noqa: E402
 from program import Program, expect  # noqa: E402
 
 PATIENCE = 60  # s
+LARGEST_MAPPING = 1 << 30  # bytes; the address sanitizer reserves terabytes that hold no stone
 X = 0.2718281828459045  # m, of the stone that is hit; besides only the deck has this number
 OLD, NEW = struct.pack("<d", X), struct.pack("<d", float("nan"))
 # Two stones at rest on a plate, one on each side of x = 0, for ever.
@@ -117,6 +118,8 @@ def overwrite(pid):
                 if not rights.startswith("rw") or "/dev/" in line or "[v" in line:
                     continue
                 begin, end = (int(number, 16) for number in span.split("-"))
+                if end - begin > LARGEST_MAPPING:
+                    continue
                 try:
                     memory.seek(begin)
                     data = memory.read(end - begin)
