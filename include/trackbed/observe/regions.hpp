@@ -46,7 +46,7 @@ struct Measurement {
   Tensor fabric{};  // mean n n^T of these contacts (Satake 1982); trace 1
 };
 
-inline constexpr int numbers_of_cell = 24;  // above
+inline constexpr int numbers_of_cell = sizeof(Measurement) / sizeof(double);
 
 // The cells of the region, x fastest, then y. Bitwise identical on any number of ranks. Stones cut
 // by a border are divided by points within them (dem::Particles::points), accurate to about a per
