@@ -84,7 +84,7 @@ def check_origin(program, place):
     ran = program.done(1, "--version")
     name, build = ran.stdout.splitlines()
     expect(re.fullmatch(r"trackbed \d+\.\d+\.\d+", name), "name and version", ran)
-    expect(re.fullmatch(r"commit [0-9a-z-]+; \S+ [\d.]+ .*-O3.*; .*\d.*; HDF5 [\d.]+, "
+    expect(re.fullmatch(r"commit [0-9a-z-]+; \S+ [\d.]+ .*-O[123].*; .*\d.*; HDF5 [\d.]+, "
                         r"PETSc [\d.]+, Eigen [\d.]+", build),
            "commit, compiler with options, libraries", ran)
     info = program.done(1, "info", place / "results.h5")
