@@ -14,7 +14,8 @@ from trackbed_post import deck_differences, ground_blocks, read
 SMALL = 0.9995e-4  # a number that rounds to less than 1e-4 has an exponent
 CLEAR = 0.10  # a smaller relative difference is no clear effect
 NO_PAIR = "the first run must have all blocks of the second and at least one more (the wedge)"
-# Parts of decks in which two designs may differ: none changes what happens in a run.
+# Parts of decks in which two designs may differ: the bed of each that `start` names, and what only
+# records.
 NOT_COMPARED = ("title", "start", "output", "sensor", "region", "passage.points")
 CELL = "bed.cell"
 PLAIN = "the scatter on plain track"
