@@ -219,6 +219,15 @@ def is_behind(results: read.Results, block: Block) -> bool:
         bool(np.max(direction(results, edge) * (block.x - edge)) > TINY)
 
 
+def at_other_end(results: read.Results, block: Block) -> bool:
+    """Whether no part of a block is on the structure or behind its edge."""
+    ends, edge = structure(results), edge_of_structure(results)
+    if ends is None or edge is None:
+        return False
+    beyond = np.max(direction(results, edge) * (block.x - edge))
+    return bool(beyond <= ends[0] - ends[1] + TINY)
+
+
 def wedge_words(results: read.Results) -> str:
     """The measures that are present behind the edge of the structure in words; empty if none is."""
     return listed(block for block in measures_of(results) if is_behind(results, block))

@@ -84,8 +84,8 @@ def why_no_pair(first: read.Results, second: read.Results) -> str:
         if keys:
             return f"the decks differ in {', '.join(keys)}, not only in the {what}"
         edge = ground_blocks.edge_of_structure(first)  # none: the measurement states it
-        if edge is not None and not any(ground_blocks.is_behind(first, block) for block in more):
-            return (f"the {what} is not behind the end of the structure that is judged, at x = "
+        if edge is not None and all(ground_blocks.at_other_end(first, block) for block in more):
+            return (f"the {what} is at the other end of the structure, which is judged at x = "
                     f"{edge:.2f} m")
         return ""
     if ground_blocks.differ_by_wedge(second, first):

@@ -131,8 +131,19 @@ def test_a_wedge_at_the_other_end_of_the_structure_is_not_judged(tmp_path, monke
     runs = [folder(tmp_path / name, name == "with") for name in ("with", "without")]
     out = write.Folder(tmp_path / "out")
     track_transition.draw_into(runs, out)
-    assert out.sentences == ["No verdict: the wedge is not behind the end of the structure that is "
-                             "judged, at x = 10.00 m."]
+    assert out.sentences == ["No verdict: the wedge is at the other end of the structure, which is "
+                             "judged at x = 10.00 m."]
+    plt.close("all")
+
+
+def test_a_measure_on_the_structure_is_judged(tmp_path, monkeypatch):
+    """As a mat on a bridge, which ends where the structure does."""
+    monkeypatch.setattr("test_track_transition.DECK", DECK.replace(
+        "[10.0, 0.0, 15.0, 0.0, 10.0, -2.0]", "[8.0, 0.0, 10.0, 0.0, 10.0, -0.5]"))
+    runs = [folder(tmp_path / name, name == "with") for name in ("with", "without")]
+    out = write.Folder(tmp_path / "out")
+    track_transition.draw_into(runs, out)
+    assert out.sentences[0].startswith("With the wedge the rail reaches")
     plt.close("all")
 
 
@@ -140,10 +151,15 @@ def test_points_and_sensors_may_differ(tmp_path, monkeypatch):
     first = folder(tmp_path / "with")
     monkeypatch.setattr("test_track_transition.DECK", DECK.replace(
         "step = 5e-4", "step = 5e-4\npoints = [20.0]") + (
-            '[[sensor]]\nname = "soil"\nkind = "ground"\nat = [12.0, 0.0, -1.0]\n'))
+            '[[sensor]]\nname = "soil"\nkind = "ground"\nat = [12.0, 0.0, -1.0]\n'
+            '[[region]]\nname = "all"\n'))
     out = write.Folder(tmp_path / "out")
     track_transition.draw_into([first, folder(tmp_path / "without", False)], out)
     assert out.sentences[0].startswith("With the wedge the rail reaches")
+    monkeypatch.setattr("test_track_transition.DECK", DECK.replace("step = 5e-4", "step = 1e-3"))
+    out = write.Folder(tmp_path / "out")
+    track_transition.draw_into([first, folder(tmp_path / "coarse", False)], out)
+    assert out.sentences[0].startswith("No verdict: the decks differ in passage.step")
     plt.close("all")
 
 

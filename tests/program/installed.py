@@ -18,6 +18,10 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, expect  # noqa: E402
 
 
+# By build type, as in cmake/Options.cmake; that of Debug is CMake's.
+OPTIMISATION = {"Release": "-O3", "RelWithDebInfo": "-O1", "Debug": "-g"}
+
+
 def call(*words, **options):
     ran = subprocess.run([str(word) for word in words], check=False, capture_output=True, text=True,
                          **options)
@@ -79,13 +83,13 @@ def installed_on_debian(source, package, root):
     print(run("trackbed", "--version"))
 
 
-def check_origin(program, place):
+def check_origin(program, place, optimisation):
     """The origin is the same in --version, in results and in checkpoints."""
     ran = program.done(1, "--version")
     name, build = ran.stdout.splitlines()
     expect(re.fullmatch(r"trackbed \d+\.\d+\.\d+", name), "name and version", ran)
-    expect(re.fullmatch(r"commit [0-9a-z-]+; \S+ [\d.]+ .*-O[123].*; .*\d.*; HDF5 [\d.]+, "
-                        r"PETSc [\d.]+, Eigen [\d.]+", build),
+    expect(re.fullmatch(rf"commit [0-9a-z-]+; \S+ [\d.]+ .*{optimisation}\b.*; .*\d.*; "
+                        r"HDF5 [\d.]+, PETSc [\d.]+, Eigen [\d.]+", build),
            "commit, compiler with options, libraries", ran)
     info = program.done(1, "info", place / "results.h5")
     expect(build in info.stdout, "the results state the build", info)
@@ -123,9 +127,10 @@ def main():
     cmake, build, folder = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
+    compiled = pathlib.Path(sys.argv[4]) if len(sys.argv) > 4 else build
     if len(sys.argv) > 4:
         source = pathlib.Path(__file__).resolve().parents[2]
-        usr = unpacked(cmake, source, pathlib.Path(sys.argv[4]), folder)
+        usr = unpacked(cmake, source, compiled, folder)
     else:
         call(cmake, "--install", build, "--prefix", folder / "usr")
         usr = folder / "usr"
@@ -134,7 +139,9 @@ def main():
     # From another folder, with decks and scripts of the installation only.
     program.done(1, "run", data / "inputs/verify/stack.toml", "output.stop_after=20", "-o", place,
                  code=3)
-    stated = check_origin(program, place)
+    cache = (compiled / "CMakeCache.txt").read_text(encoding="utf-8")
+    kind = re.search(r"^CMAKE_BUILD_TYPE:\w+=(\w+)$", cache, re.M)
+    stated = check_origin(program, place, OPTIMISATION[kind[1]])
     if "-march=native" in stated and len(sys.argv) > 4:
         raise SystemExit(f"the package is for the processor of this machine: {stated}")
     listed = call(usr / "bin/trackbed_post", "list", place / "results.h5",

@@ -38,8 +38,8 @@ struct Measurement {
   double contact_force = 0;  // N, mean magnitude
   // Of the stones with their centre in it: speed of the centre, m/s, and magnitude of the sum of
   // the contact forces on a stone, N. Mean, standard deviation over the stones (divisor: their
-  // number), largest value. Deviations below about 1e-8 of the mean, or 3e-7 of the largest value
-  // in the region, are lost by rounding.
+  // number), largest value. Rounding may hide deviations below about 1e-8 of the mean, or of N
+  // stones below 1e-9 sqrt(N) of the largest value in the region.
   double speed = 0, speed_deviation = 0, largest_speed = 0;
   double stone_force = 0, stone_force_deviation = 0, largest_stone_force = 0;
   Tensor stress{};  // Pa, tension positive

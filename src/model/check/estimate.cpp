@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <span>
+#include <string_view>
 
 #include "model/check/probe.hpp"
 #include "model/rules/limits.hpp"
@@ -39,19 +40,32 @@ std::string limits_of(const Model& model, const Stage& stage, const Steps& steps
   return words;
 }
 
-// MB of the histories if all stages take their full duration.
+// MB of the histories of sleepers, ground, regions and sensors if all stages take their full
+// duration. The rest is small or, of trains, not known here.
 double size_of_histories(const Model& model, const StageActions& actions, double windows) {
   double seconds = 0;
   for (const Stage& stage : model.stages) seconds += actions.duration(stage);
-  double numbers = 5 + 5 * static_cast<double>(model.uses_sleepers() ? model.sleepers.count : 0);
-  if (model.ground.present) numbers += 2 * static_cast<double>(model.ground.elements_x + 1);
-  for (const observe::Region& region : model.regions) {
-    const auto& n = region.cells;
-    const double cells = region.kind == observe::RegionKind::box ? n[0] * n[1] * n[2] : 1;
-    numbers += observe::numbers_of_cell * cells;
+  const std::vector<std::string>& parts = model.output.histories;
+  const auto records = [&](std::string_view part) {
+    return std::find(parts.begin(), parts.end(), part) != parts.end();
+  };
+  double numbers = 0;
+  if (model.uses_sleepers() && records("sleeper"))
+    numbers += 5 * static_cast<double>(model.sleepers.count);
+  if (model.ground.present && records("ground")) {
+    const int axes = model.dimension == Dimension::plane ? 2 : 3;
+    // Displacement, velocity and acceleration along each axis, and the vertical stress.
+    numbers += (3 * axes + 1) * static_cast<double>(model.ground.elements_x + 1);
   }
-  for (const observe::Sensor& sensor : model.sensors)
-    numbers += observe::numbers_of_reading(sensor.kind);
+  if (records("region"))
+    for (const observe::Region& region : model.regions) {
+      const auto& n = region.cells;
+      const double cells = region.kind == observe::RegionKind::box ? n[0] * n[1] * n[2] : 1;
+      numbers += observe::numbers_of_cell * cells;
+    }
+  if (records("sensor"))
+    for (const observe::Sensor& sensor : model.sensors)
+      numbers += observe::numbers_of_reading(sensor.kind);
   return 8e-6 * numbers * std::min(windows, seconds / model.output.history_interval);
 }
 
@@ -198,7 +212,8 @@ Estimate estimate(World& world, const StageActions& actions, const StonesOfLayer
   for (const std::string& line : warning_of_ground_steps(world, longest))
     result.lines.push_back(line);
   result.lines.push_back(
-      fmt::format("histories: up to {:.2g} MB", size_of_histories(model, actions, windows)));
+      fmt::format("histories of sleepers, ground, regions and sensors: up to {:.2g} MB",
+                  size_of_histories(model, actions, windows)));
   result.step_time = layers.front().step_time;
   return result;
 }
