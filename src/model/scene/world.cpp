@@ -104,11 +104,6 @@ void World::place_platen(double z) {
 }
 
 // `place` also resets the servo, which is not used while the platen is lifted.
-void World::lift_platen(double before, double motion) {
-  platen->place(platen->z() + before);
-  for (Vec3& node : platen->surface().motion) node = Vec3(0, 0, motion);
-}
-
 void World::take_platen_away() {
   platen.reset();
   register_surfaces();

@@ -41,9 +41,6 @@ struct World {
   // Collective.
   void rebalance();
   void place_platen(double z);
-  // One window of lifting: it was lifted by `before` in the last window and is lifted by `motion`,
-  // m.
-  void lift_platen(double before, double motion);
   void take_platen_away();
   // Places tines above the stones, beside the present positions of the sleepers. Collective.
   void place_tines();

@@ -96,13 +96,11 @@ void StagedScheme::move_solids(double dt) {
 }
 
 // In compact and shear stages the servo controls the platen, in release and triaxial stages its
-// motion is given. Release: the speed does not depend on the reaction of the bed, and in the first
-// window there is no previous displacement to complete.
+// motion is given and its pressure only measured.
 void StagedScheme::move_platen(double dt) {
   if (!world_.platen) return;
   if (present().kind == StageKind::release) {
-    world_.lift_platen(run_.course.clock.window() > 0 ? present().lift * dt : 0,
-                       present().lift * dt);
+    world_.platen->drive(dt, -present().lift * dt, world_.force_on({SurfaceId::Part::platen}).z());
     return;
   }
   world_.platen->set_area(world_.walls.area());

@@ -240,6 +240,19 @@ bool StageActions::settled(const Stage& stage, const Clock& clock) const {
   return at_rest(world_.particles.totals(), stage.until_ratio);
 }
 
+// What the platen bears when it is removed is released at once and throws the bed up.
+std::string StageActions::load_left(const Stage& stage) const {
+  constexpr double little = 0.05;  // of the pressure before
+  const Stage* loaded = &stage;
+  while (loaded != &model_.stages.front() && !has_platen_load(loaded->kind)) --loaded;
+  const double before = model_.pressure_in(*loaded), left = world_.platen->pressure();
+  if (left <= little * before) return {};
+  return fmt::format(
+      "the platen bears {:.1f} kPa when it is removed; required: at most {:g} % of {:g} kPa, or "
+      "the bed rebounds at once and becomes loose; give a longer stage.duration",
+      left / 1e3, 100 * little, before / 1e3);
+}
+
 // Three results: no value (the kind has no aim), an empty sentence (reached), the deviation.
 std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
   if (stage.kind == StageKind::compact) {
@@ -251,6 +264,7 @@ std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
         model_.platen.hold);
   }
   if (stage.kind == StageKind::jump) return jump_.shortfall();
+  if (stage.kind == StageKind::release && world_.platen) return load_left(stage);
   if (has_cycles(stage) && stage.settlement > 0) {
     if (settlement_.last() >= 0 && settlement_.last() <= stage.settlement) return std::string{};
     return fmt::format(
