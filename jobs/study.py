@@ -2,6 +2,9 @@
 """Repeats a published study and compares it with the publication, target by target.
 
     study.py PROGRAM NAME short|full FOLDER    runs, then numbers, figures and document in FOLDER
+    study.py PROGRAM NAME full FOLDER --others PLACE --only PREFIX ...
+                                               the same, but runs without these prefixes are not
+                                               repeated: their numbers are those in PLACE
     study.py --document NAME FOLDER            the document again, from numbers.csv and lines.csv
 
 Finished runs in FOLDER are kept, a stopped run is resumed; a run of another program, deck or list
@@ -26,6 +29,7 @@ from studies.study import INPUTS, Lines, Numbers, counted, read, reflowed, targe
 
 STUDIES = ("netirail", "shi", "demfem", "chen", "crossing")
 WRONG_SIGN = 1
+VERSION_OF = "version of "  # a prefix, in the head of numbers.csv
 HEAD = """# {title}
 <!-- made by jobs/study.py from numbers.csv -->
 {source}
@@ -129,7 +133,7 @@ def document_of(name, numbers):
     head = HEAD.format(title=text.TITLE, source=text.SOURCE, summary=summary,
                        criterion=criterion(numbers) if callable(criterion) else criterion,
                        command=numbers.about["command"], runs=len(times), minutes=sum(times) / 60,
-                       cores=numbers.about["machine"], version=numbers.about["version"],
+                       cores=numbers.about["machine"], version=versions(numbers.about),
                        counted=counted(targets),
                        targets=targets_table(targets))
     return reflowed(head + text.document(numbers))
@@ -172,9 +176,51 @@ def machine():
     return f"{len(names)} cores of {names[0]}" if names else "an unknown processor"
 
 
-def repeat(program, name, form, folder):
+def versions(about):
+    """Of the program of all runs, and of those that were repeated later."""
+    return "; ".join([about["version"], *(f"runs `{key.removeprefix(VERSION_OF)}*`: {version}"
+                                          for key, version in about.items()
+                                          if key.startswith(VERSION_OF))])
+
+
+class Selection:
+    """Runs whose names begin with one of the prefixes; all other numbers are those in `others`."""
+
+    def __init__(self, prefixes=("",), others=None):
+        self.prefixes, self.others = tuple(prefixes), others
+
+    def chosen(self, runs):
+        return [run for run in runs if run.name.startswith(self.prefixes)]
+
+    def runs(self, runs, key):
+        """Those of the runs that take place: chosen ones and those they start from."""
+        names = {run.name for run in self.chosen(runs)}
+        for run in reversed(runs):  # a run starts from earlier ones
+            if run.name in names:
+                names |= set(key.before(run))
+        return [run for run in runs if run.name in names]
+
+    def begin(self, about):
+        """Numbers and lines of the other runs."""
+        if self.others is None:
+            return Numbers(about), Lines()
+        try:
+            numbers = Numbers.read(self.others / "numbers.csv")
+            lines = Lines.read(self.others / "lines.csv")
+        except OSError as error:
+            launch.refuse(f"{error.filename}: {error.strerror}")
+        for kept, name in ((numbers, 0), (lines, 1)):
+            kept.rows = {key: row for key, row in kept.rows.items()
+                         if not key[name].startswith(self.prefixes)}
+        numbers.about |= {f"{VERSION_OF}{prefix}": about["version"] for prefix in self.prefixes}
+        return numbers, lines
+
+
+def repeat(program, name, form, folder, selection):
     """Runs a study and writes numbers, figures and document; the targets with a wrong sign."""
     study, version = study_of(name), version_of(program)
+    if selection.others and not hasattr(study, "measure_runs"):
+        launch.refuse(f"{name} measures all of its runs together: leave out --only and --others")
     ranks = launch.requested_ranks()
     launch.make_folder(folder)
     if not os.access(folder, os.W_OK):
@@ -183,13 +229,17 @@ def repeat(program, name, form, folder):
         study.prepare(program, folder)
     runs = study.runs(form, ranks)
     key = Key(program, runs, folder)
+    runs = selection.runs(runs, key)
     launch.together([(run.name, key.before(run), run.ranks,
                       functools.partial(do, program, key, run, folder)) for run in runs], ranks)
-    numbers, lines = Numbers({"version": version, "machine": machine(),
-                              "command": f"jobs/study.sh {name} {form}"}), Lines()
+    numbers, lines = selection.begin({"version": version, "machine": machine(),
+                                      "command": f"jobs/study.sh {name} {form}"})
     numbers.lines = lines
     try:
-        study.measure(form, folder, numbers, lines)
+        if selection.others:
+            study.measure_runs(selection.chosen(runs), folder, numbers, lines)
+        else:
+            study.measure(form, folder, numbers, lines)
         derive(name, numbers)
     except (read.Unreadable, OSError, KeyError, ValueError) as error:
         print(f"the results in {folder} cannot be measured ({type(error).__name__}: {error})",
@@ -220,8 +270,15 @@ def main():
     parser.add_argument("name", help=", ".join(STUDIES))
     parser.add_argument("form", choices=("short", "full"))
     parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--others", metavar="PLACE", type=pathlib.Path,
+                        help="folder with numbers.csv and lines.csv of all runs")
+    parser.add_argument("--only", metavar="PREFIX", nargs="+",
+                        help="of the runs that are repeated; the others keep their numbers")
     given = parser.parse_args()
-    found = repeat(given.program, given.name, given.form, given.folder)
+    if bool(given.only) != bool(given.others):
+        parser.error("--only and --others belong together")
+    selection = Selection(given.only, given.others) if given.only else Selection()
+    found = repeat(given.program, given.name, given.form, given.folder, selection)
     for what in found:
         print(f"wrong sign: {what}", file=sys.stderr)
     return WRONG_SIGN if found else 0

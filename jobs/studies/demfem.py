@@ -18,7 +18,8 @@ import scipy.signal
 import launch
 
 from . import rocks
-from .demfem_model import (AREA, BENCHMARK, CORNERS, FORCES, GROUND, HARD, HEIGHT, LAYER, MIDDLE,
+from .demfem_model import (AREA, BENCHMARK, BLOCKS, COARSER, CORNERS, ELEMENTS, FORCES, GROUND, HARD,
+                           HEIGHT, LAST_OF_REST, LAYER, MIDDLE,
                            PARTS, PEAK, PERIOD, RAIL, ROCKS, SETTLED, SHAPES, SIZE, SLEEPER, SOFT,
                            TRACK, WIDTHS, runs)
 from .demfem_lines import derive
@@ -27,7 +28,8 @@ from .study import summary
 
 from trackbed_post import read  # noqa: I001 (found by .study)
 
-__all__ = ("derive", "measure", "predicted", "prepare", "runs", "targets")  # of the study
+# Of the study.
+__all__ = ("derive", "measure", "measure_runs", "predicted", "prepare", "runs", "targets")
 
 
 def prepare(program, folder):
@@ -62,7 +64,11 @@ def prepare(program, folder):
 def measure(form, folder, numbers, lines):
     for shape in SHAPES:
         measure_shapes(shape, folder / f"{shape}.h5", numbers)
-    for run in runs(form, 1):
+    measure_runs(runs(form, 1), folder, numbers, lines)
+
+
+def measure_runs(chosen, folder, numbers, lines):
+    for run in chosen:
         place = folder / run.name
         if run.deck == SLEEPER:
             measure_bed(run.name, place, numbers, lines)
@@ -193,8 +199,14 @@ def measure_track(name, place, numbers, lines):
                 "mm")
     lines.put("track_sleepers", name, run.sleepers_x, down[last].mean(axis=0))
     lines.put("track_lowest", name, time[::4], down[::4].max(axis=1))
-    rail = read.datasets(place)["history/solid/rail_displacement"].values[rows]
-    lowered = 1e3 * (rail[0] - rail)
+    rail = read.datasets(place)["history/solid/rail_displacement"].values
+    resting = np.flatnonzero(run.stage == names.index("rest"))
+    numbers.put(name, "rail, rise in the rest", 1e3 * (rail[rows[0]] - rail[resting[0]]).max(),
+                "mm")
+    late = resting[run.time[resting] > run.time[resting[-1]] - LAST_OF_REST]
+    numbers.put(name, "rail, motion at the end of the rest",
+                1e3 * np.ptp(rail[late], axis=0).max(), "mm")
+    lowered = 1e3 * (rail[rows[0]] - rail[rows])
     for what, x in RAIL.items():
         at = int(np.argmin(np.abs(run.sleepers_x - x)))
         numbers.put(name, f"rail, {what}, mean displacement", lowered[last, at].mean(), "mm")
@@ -209,8 +221,40 @@ def measure_track(name, place, numbers, lines):
         numbers.put(name, f"{what}, mean up to 1.2 m", values[x < 1.2].mean(), "MPa")
         numbers.put(name, f"{what}, mean from 4.8 m", values[x > 4.8].mean(), "MPa")
         numbers.put(name, f"{what}, x of the largest", x[np.argmax(values)], "m")
+    measure_wheels(name, place, run.deck["ground"], numbers, lines)
     numbers.put(name, "simulated", float(time[-1]), "s")
     measure_cost(name, place, numbers)
+
+
+def measure_wheels(name, place, ground, numbers, lines):
+    """Of the change of stress by the wheels, since the end of the rest: the largest at all stored
+    instants, in elements and in the means of blocks as large as an element of the study."""
+    before = field_of(list(read.fields(place, "rest", "ground").values())[-1], "stress")[1]
+    size = np.ptp(ground["x"]) / ground["elements_x"]
+    largest = {}
+    for file in read.fields(place, "wheels", "ground").values():
+        middle, stress = field_of(file, "stress")
+        for how, (x, change) in {ELEMENTS: (middle[:, 0], stress - before),
+                                 BLOCKS: blocks(middle, stress - before, size)}.items():
+            found = along(x, *principal(change)[:, (2, 0)].T)
+            for what, values in found[1].items():
+                earlier = largest.get((what, how), (found[0], values))[1]
+                largest[what, how] = found[0], np.maximum(earlier, values)
+    for (what, how), (x, values) in largest.items():
+        numbers.put(name, f"{what} by the wheels, {how}, largest", values.max(), "MPa")
+        numbers.put(name, f"{what} by the wheels, {how}, x of the largest", x[np.argmax(values)],
+                    "m")
+        lines.put(f"track_{what}_{how}", name, x, values)
+
+
+def blocks(middle, values, size):
+    """x of the blocks of COARSER^3 elements of this size, and the means of the values in them."""
+    low = middle.min(axis=0) - size / 2
+    of = np.floor((middle - low) / (COARSER * size) + 1e-6).astype(int)
+    places, block_of, count = np.unique(of, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(places), values.shape[1]))
+    np.add.at(sums, np.ravel(block_of), values)
+    return low[0] + COARSER * size * (places[:, 0] + 0.5), sums / count[:, None]
 
 
 def principal(stress):
@@ -223,17 +267,27 @@ def principal(stress):
 def along_track(file, *names):
     """x of the columns of elements, and the largest tension and compression in each, in MPa: of one
     tensor `stress...` or of the arrays with the largest and the least principal stress."""
+    middle, *arrays = field_of(file, *names)
+    if len(arrays) == 1:
+        arrays = principal(arrays[0])[:, (2, 0)].T
+    return along(middle[:, 0], *arrays)
+
+
+def field_of(file, *names):
+    """Centres of the elements, and arrays of their values."""
     with h5py.File(file) as data:
         points, cells = data["VTKHDF/Points"][()], data["VTKHDF/Connectivity"][()]
         elements = len(data["VTKHDF/Offsets"]) - 1
-        arrays = [data[f"VTKHDF/CellData/{name}"][()] for name in names]
-    if len(arrays) == 1:
-        of = principal(arrays[0])
-        arrays = [of[:, 2], of[:, 0]]
-    x, place_of = np.unique(np.round(points[cells.reshape(elements, -1)].mean(axis=1)[:, 0], 4),
-                            return_inverse=True)
+        return (points[cells.reshape(elements, -1)].mean(axis=1),
+                *(data[f"VTKHDF/CellData/{name}"][()] for name in names))
+
+
+def along(x, largest_stress, least_stress):
+    """The different x, and the largest tension and compression at each, in MPa."""
+    x, place_of = np.unique(np.round(x, 4), return_inverse=True)
     largest = {what: np.full(len(x), -np.inf) for what in ("tension", "compression")}
-    for values, sign, stress in zip(largest.values(), (1e-6, -1e-6), arrays):
+    for values, sign, stress in zip(largest.values(), (1e-6, -1e-6),
+                                    (largest_stress, least_stress)):
         np.maximum.at(values, np.ravel(place_of), sign * np.ravel(stress))
     return x, largest
 

@@ -6,7 +6,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 from .demfem_model import (GROUND_DECK, GROUND_RUN, GROUNDS, HARD, MIDDLE, NAMES,  # noqa: E402
-                           PACKINGS, PERIOD, RAIL, SHAPES, SOFT, TITLES, ground_run)
+                           PACKINGS, PERIOD, RAIL, SHAPES, SOFT, TITLES, arrival, ground_run)
 from .demfem_targets import mean, of  # noqa: E402
 from .study import COLOURS, save  # noqa: E402
 
@@ -29,7 +29,7 @@ def young(x, width):
 def draw_ground(lines, folder):
     figure, panels = plt.subplots(3, 1, figsize=(9, 9), sharex=True, layout="constrained",
                                   height_ratios=(1, 2, 2))
-    styles = dict(zip(GROUNDS, ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)))))
+    styles = dict(zip(GROUNDS, ("-", "--", ":", "-.", (0, (1, 3)), (0, (5, 1, 1, 1, 1, 1)))))
     x = np.linspace(0, 6, 301)
     for name, style in styles.items():
         line = {"ls": style, "lw": 1.8 if ground_run(name) == GROUND_RUN else 1}
@@ -70,8 +70,9 @@ def draw_track(n, lines, folder):
         panel.set(xlabel=x_label, ylabel=y_label)
         panel.grid(alpha=0.3)
         if x_label == "time, s":
-            panel.axvspan(PERIOD, 2 * PERIOD, color="0.9", zorder=0,
-                          label="second axle spacing")
+            first = arrival(RAIL[name.removeprefix("track_rail_")])
+            panel.axvspan(first, first + PERIOD, color="0.9", zorder=0,
+                          label="first axle spacing")
         panel.legend(fontsize=8)
     for panel in panels.flat[:4]:
         panel.invert_yaxis()

@@ -68,20 +68,23 @@ def add_compression(numbers, run, x, compression):
 
 
 def add_growth(numbers, what, curves):
-    """Displacement, mean over places, mm: in the second axle spacing and in the last, and its
-    growth between them; the highest position of any place before the end of the first spacing."""
+    """Displacement, mean over places, mm: in the first axle spacing, in the last one and in the
+    last but one, and the growth to the last one."""
     for run in curves[0]:
-        early, late, highest = [], [], []
+        first, before, last = [], [], []
         for curve in curves:
             time, down = map(np.array, curve[run])
-            early.append(down[(time > PERIOD) & (time <= 2 * PERIOD)].mean())
-            late.append(down[time > time[-1] - PERIOD].mean())
-            highest.append(-down[time <= PERIOD].min())
-        numbers.put(run, f"{what}, displacement in the second axle spacing", np.mean(early), "mm")
-        numbers.put(run, f"{what}, displacement in the last axle spacing", np.mean(late), "mm")
-        numbers.put(run, f"{what}, growth", np.mean(late) - np.mean(early), "mm")
-        numbers.put(run, f"{what}, highest position", max(highest), "mm")
+            for found, begin in ((first, 0), (before, time[-1] - 2 * PERIOD),
+                                 (last, time[-1] - PERIOD)):
+                found.append(down[(time > begin) & (time <= begin + PERIOD)].mean())
+        numbers.put(run, f"{what}, displacement in the first axle spacing", np.mean(first), "mm")
+        numbers.put(run, f"{what}, displacement in the last axle spacing", np.mean(last), "mm")
+        numbers.put(run, f"{what}, growth", np.mean(last) - np.mean(first), "mm")
+        numbers.put(run, f"{what}, growth in one axle spacing", np.mean(last) - np.mean(before),
+                    "mm")
         if len(curves) > 1:
-            for place, first, last in zip(RAIL, early, late):
-                numbers.put(run, f"{what}, {place}, early", first, "mm")
-                numbers.put(run, f"{what}, {place}, growth", last - first, "mm")
+            for k, place in enumerate(RAIL):
+                numbers.put(run, f"{what}, {place}, first", first[k], "mm")
+                numbers.put(run, f"{what}, {place}, growth", last[k] - first[k], "mm")
+                numbers.put(run, f"{what}, {place}, growth in one axle spacing",
+                            last[k] - before[k], "mm")

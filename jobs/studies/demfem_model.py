@@ -36,10 +36,13 @@ RAIL = {"soft end": 0.9, "middle": 2.7, "stiff end": 5.1}  # m, x of a sleeper b
 COARSE = ("bed.sieve=[45,63]", "bed.passing=[0,100]")
 FORCES = np.geomspace(1e-3, 10, 25)  # kN, edges of the histogram
 WIDTHS = {"0.25 m": "young_025.csv", "1 m": "young_100.csv"}  # of the rise of the modulus
+FREE_ENDS = ("ground.side_x_low=free", "ground.side_x_high=free")
+COARSE_GROUND = ("ground.elements_x=30", "ground.elements_y=12", "ground.elements_z=5")
 GROUNDS = {
     "as in the deck": (),
-    "free ends": ("ground.side_x_low=free", "ground.side_x_high=free"),
-    "elements of 0.2 m": ("ground.elements_x=30", "ground.elements_y=12", "ground.elements_z=5"),
+    "free ends": FREE_ENDS,
+    "elements of 0.2 m": COARSE_GROUND,
+    "elements of 0.2 m, free ends": (*COARSE_GROUND, *FREE_ENDS),
     **{f"rise of the modulus over {width}":
        (f"ground.layer.subground.young_file='{{folder}}/{file}'",)
        for width, file in WIDTHS.items()},
@@ -51,6 +54,9 @@ SOFT, HARD, MIDDLE = 80e6, 30e9, 3.0  # Pa, Pa, m
 BENCHMARK = {"stones": {"convex": 3.3e5, "non_convex": 3.4e5}, "elements": 3750,
              "stone_step": 1e-6, "element_step": 1e-5, "duration": 0.5,
              "minutes": {"convex": (303, 85, 122, 96), "non_convex": (495, 256, 144, 95)}}
+LAST_OF_REST = 0.01  # s, in which the motion of the rail is measured
+COARSER = 2  # size of the study's elements of the ground over that of the track's
+ELEMENTS, BLOCKS = "elements", f"blocks of {COARSER**3}"  # whose stresses are compared
 PEAK = 0.005  # MPa, least prominence of a peak of compression along the track
 CORES = 8  # of the study's computer, besides its graphics processor
 
@@ -69,7 +75,7 @@ def track_of(shape, packing):
     return [Run(cell, CELL, (f"bed.seed={packing}", *of_stones(shape))),
             Run(f"track_{shape}_{packing}", TRACK,
                 (*of_stones(shape), f"bed.cell='{{folder}}/{cell}'", "output.fields=true",
-                 "output.fields_interval=0.1", 'output.fields_parts=["ground"]',
+                 f"output.fields_interval={PERIOD / 8:g}", 'output.fields_parts=["ground"]',
                  "output.ground_extremes=true"))]
 
 
@@ -131,12 +137,3 @@ def at_edge(x):
     """Whether an edge of a loaded area is in the column of elements whose middle is x, m."""
     return abs(edge_near(x) - x) <= COLUMN / 2
 
-
-def without_rest():
-    """Decks whose stages between the placing of sleepers and the wheels have none of rest."""
-    found = []
-    for name, deck in WHEELED.items():
-        kinds = [stage.get("kind") for stage in deck["stage"]]
-        if "settle" not in kinds[kinds.index("sleepers"):kinds.index("passage")]:
-            found.append(name)
-    return found
