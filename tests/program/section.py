@@ -12,7 +12,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
-from results import checkpoint  # noqa: E402
+from results import checkpoint, histories  # noqa: E402
 
 LAYER = """
 [[bed.layer]]
@@ -30,6 +30,7 @@ layer = "sub_ballast"
 duration = 0.25
 local_damping = 0.3
 """
+LIFT, PRESSURE = 0.05, 100e3  # m/s, Pa, of the deck
 CREST, SLOPE, PROFILE, SLEEPER = 0.6, 1.5, 0.3, 0.18   # m, -, m, m
 SMALL = ["bed.stone=disk", "bed.grading=custom", "bed.sieve=[45, 63]", "bed.passing=[0, 100]",
          "bed.x=[0, 0.6]", "bed.y=[0, 1.1]", "bed.height=0.24", "bed.porosity=0.42",
@@ -52,6 +53,22 @@ def with_layer(deck, folder):
     return path
 
 
+def lifted(folder):
+    """Problems: rows of the platen that is lifted do not show how it rises and is unloaded."""
+    stages = [stage["name"] for stage in summary(folder)["stages"]]
+    rows = histories(folder, stages.index("release"))
+    pressure, z, time = (rows[name].ravel() for name in ("platen/pressure", "platen/z", "time"))
+    force = rows["platen/force"][:, 2]
+    rise = np.polyfit(time, z, 1)[0]
+    print(f"the platen rises at {rise:.4g} m/s and bears {pressure[0]:.0f} to {pressure[-1]:.0f} "
+          f"Pa, {force[0]:.0f} to {force[-1]:.0f} N")
+    # The first row is one window after the begin, when the averaged pressure has hardly changed.
+    if not (abs(rise / LIFT - 1) < 1e-6 and abs(pressure[0] / PRESSURE - 1) < 0.1
+            and np.all(np.diff(pressure) < 0) and force[-1] < force[0]):
+        return [f"a lifted platen: rise {rise} m/s, pressure {pressure} Pa, force {force} N"]
+    return []
+
+
 def main():
     program, folder = Program(sys.argv[1]), Path(sys.argv[3])
     deck = with_layer(sys.argv[2], folder)
@@ -61,7 +78,7 @@ def main():
         reported)}
     program.done(2, "run", deck, *SMALL, "--force", "-o", folder / "run")
     stones = {stage["name"]: stage["particles"] for stage in summary(folder / "run")["stages"]}
-    wrong = []
+    wrong = lifted(folder / "run")
     lower, upper = expected["sub_ballast"][0], expected["of [bed]"][0]
     if stones["sub_ballast"] != lower or stones["fill"] != lower + upper:
         wrong.append(f"{stones} stones, forecast of check {expected}")

@@ -28,6 +28,7 @@ BALANCE = 1e-10  # relative, required of the coupling
 # rail.
 OFTEN = ["output.history_interval=1e-9", "output.fields_interval=8e-3",
          "stage.wheels.duration=0.04"]
+RAMP = 0.02  # s
 YOUNG, ELEMENT = 37e9, 0.1  # Pa, m, of the sleepers
 PLACES = (0.5, 0.0)         # m along y, below the seat and in the middle of the track
 # Relative to the largest bending stress: stress of elements includes pressure across the sleeper.
@@ -68,6 +69,26 @@ def bending(folder):
     return wrong if len(pictures) > 3 else [f"field files of solids: {pictures}"]
 
 
+def standing(program, deck, folder, start):
+    """Problems: a wheel that stands on the rail at the start does not take up its load in the ramp.
+    """
+    found, wrong = {}, []
+    for ramp in (0, RAMP):
+        place = folder / f"ramp_{ramp}"
+        program.done(2, "run", deck, *SMALL, *OFTEN, f"load.start={SPACING / 2}",
+                     "output.fields=false", "load.speed=1", f"stage.wheels.ramp={ramp}", "--force",
+                     f"start={start}", "-o", place)
+        rows = histories(place)
+        found[ramp] = rows["time"].ravel(), -rows["sleeper/seat_force"].sum(axis=1)
+    for ramp, (time, carried) in found.items():
+        time = time - time[0]
+        early, late = carried[time < 0.1 * RAMP].max(), carried[time > RAMP].mean()
+        print(f"ramp {ramp} s: pads carry up to {early:.0f} N early, {late:.0f} N after it")
+        if (early > 0.5 * late) != (ramp == 0):
+            wrong.append(f"with a ramp of {ramp} s the pads carry {early} N early, {late} N late")
+    return wrong
+
+
 def main():
     program, deck, folder = Program(sys.argv[1]), sys.argv[2], Path(sys.argv[3])
     places = {"solid": folder / "solid", "rigid": folder / "rigid"}
@@ -103,6 +124,7 @@ def main():
     program.done(2, "run", deck, *SMALL, *OFTEN, "--force",
                  f"start={places['solid'] / 'stage_preload.h5'}", "-o", folder / "often")
     wrong += bending(folder / "often")
+    wrong += standing(program, deck, folder, places["solid"] / "stage_preload.h5")
     if wrong:
         sys.exit("\n".join(wrong))
 

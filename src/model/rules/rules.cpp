@@ -190,13 +190,14 @@ void declare_load(const Model& model, const Stage& stage, const std::string& dur
 
 // Solid rails extend half a spacing beyond the sleepers, and carry a wheel from one element before
 // their ends.
-void declare_wheels_on_rails(const Model& model, const AxlePassage& p, const input::About& about,
-                             input::Section& s) {
+void declare_wheels_on_rails(const Model& model, const Stage& stage, const AxlePassage& p,
+                             const input::About& about, input::Section& s) {
   const double beyond = model.sleepers.spacing / 2 + model.solid.element;
   const double first = model.load.start - p.lead;
-  s.rule("load.start", first < p.first - beyond,
+  s.rule("load.start", first < p.first - beyond || stage.ramp > 0,
          fmt::format("the first wheel, at x = {:g} m, acts on the rails suddenly, since it starts "
-                     "on them; start it before x = {:g} m, one element before the rails",
+                     "on them; give stage.ramp, or start it before x = {:g} m, one element before "
+                     "the rails",
                      first, p.first - beyond),
          {.severity = input::Severity::warning, .reads = about.reads});
 }
@@ -208,7 +209,7 @@ void declare_begin(const Model& model, const Stage& stage, const input::About& a
   const AxlePassage p(model, stage);
   if (!p.any) return;
   const auto& load = model.load;
-  if (model.solid.rails) return declare_wheels_on_rails(model, p, about, s);
+  if (model.solid.rails) return declare_wheels_on_rails(model, stage, p, about, s);
   const bool beyond = load.start - p.lead > p.first;
   s.rule("load.start", !beyond,
          fmt::format("the first axle starts at x = {:g} m, beyond the first sleeper, which is "

@@ -107,7 +107,8 @@ void Stage::declare_loads(input::Section& s) {
            "Ramp time, at most half the duration; load: time of loading and of unloading; compact: "
            "time in which pressure and confinement change from those of the preceding stage; "
            "shear, triaxial: the same, and also the time in which full speed is reached; passage: "
-           "time in which a kept rail takes up its forces.");
+           "time in which a kept rail takes up its forces, and in which wheels that start on solid "
+           "rails take up their load, in each train.");
   s.integer("cycles", cycles, {.at_least = 0, .at_most = most_cycles},
             "Number of cycles; load: number of haversines in the duration (0: one ramp up, hold "
             "and ramp down); passage: number of successive trains (0: one); tamp: number of "

@@ -103,7 +103,6 @@ void World::place_platen(double z) {
   register_surfaces();
 }
 
-// `place` also resets the servo, which is not used while the platen is lifted.
 void World::take_platen_away() {
   platen.reset();
   register_surfaces();

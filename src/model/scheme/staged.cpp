@@ -99,11 +99,11 @@ void StagedScheme::move_solids(double dt) {
 // motion is given and its pressure only measured.
 void StagedScheme::move_platen(double dt) {
   if (!world_.platen) return;
+  world_.platen->set_area(world_.walls.area());
   if (present().kind == StageKind::release) {
     world_.platen->drive(dt, -present().lift * dt, world_.force_on({SurfaceId::Part::platen}).z());
     return;
   }
-  world_.platen->set_area(world_.walls.area());
   if (present().kind == StageKind::triaxial)
     return drive_platen(world_, present(), begin_of_window(), dt);
   aim_platen(world_, run_.course.stage, begin_of_window(), dt);

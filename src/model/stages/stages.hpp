@@ -61,7 +61,7 @@ class StageActions {
   void place_sleepers(const Stage& stage);
   void fill_cribs(const Stage& stage);
   bool walls_are_steady(const Stage& stage) const;
-  std::string load_left(const Stage& stage) const;  // of the lifted platen; empty if little
+  std::optional<std::string> load_left(const Stage& stage) const;  // of the lifted platen
 
   World& world_;
   const Model& model_;
