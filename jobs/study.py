@@ -3,8 +3,9 @@
 
     study.py PROGRAM NAME short|full FOLDER    runs, then numbers, figures and document in FOLDER
     study.py PROGRAM NAME full FOLDER --others PLACE --only PREFIX ...
-                                               the same, but runs without these prefixes are not
-                                               repeated: their numbers are those in PLACE
+                                               the same, but only runs with these prefixes and
+                                               those they need are repeated: the numbers of the
+                                               others are those in PLACE
     study.py --document NAME FOLDER            the document again, from numbers.csv and lines.csv
 
 Finished runs in FOLDER are kept, a stopped run is resumed; a run of another program, deck or list
@@ -29,7 +30,7 @@ from studies.study import INPUTS, Lines, Numbers, counted, read, reflowed, targe
 
 STUDIES = ("netirail", "shi", "demfem", "chen", "crossing")
 WRONG_SIGN = 1
-VERSION_OF = "version of "  # a prefix, in the head of numbers.csv
+VERSION_OF = "version of "  # a run or PREFIX*, in the head of numbers.csv
 HEAD = """# {title}
 <!-- made by jobs/study.py from numbers.csv -->
 {source}
@@ -178,66 +179,89 @@ def machine():
 
 def versions(about):
     """Of the program of all runs, and of those that were repeated later."""
-    return "; ".join([about["version"], *(f"runs `{key.removeprefix(VERSION_OF)}*`: {version}"
-                                          for key, version in about.items()
-                                          if key.startswith(VERSION_OF))])
+    later = {}
+    for key, version in about.items():
+        if key.startswith(VERSION_OF):
+            later.setdefault(version, []).append(f"`{key.removeprefix(VERSION_OF)}`")
+    return "; ".join([about["version"], *(f"runs {', '.join(prefixes)}: {version}"
+                                          for version, prefixes in later.items())])
 
 
 class Selection:
-    """Runs whose names begin with one of the prefixes; all other numbers are those in `others`."""
+    """Runs whose names begin with one of the prefixes, and those they need; the numbers of all
+    other runs are those in the folder `others`."""
 
     def __init__(self, prefixes=("",), others=None):
         self.prefixes, self.others = tuple(prefixes), others
+        self.kept = Numbers({}), Lines()
 
-    def chosen(self, runs):
-        return [run for run in runs if run.name.startswith(self.prefixes)]
-
-    def runs(self, runs, key):
-        """Those of the runs that take place: chosen ones and those they start from."""
-        names = {run.name for run in self.chosen(runs)}
-        for run in reversed(runs):  # a run starts from earlier ones
-            if run.name in names:
-                names |= set(key.before(run))
-        return [run for run in runs if run.name in names]
-
-    def begin(self, about):
-        """Numbers and lines of the other runs."""
+    def check(self, study, form, runs):
+        """Refuses what cannot be done, before anything runs."""
         if self.others is None:
-            return Numbers(about), Lines()
+            return
+        if not hasattr(study, "measure_runs"):
+            launch.refuse("this study measures all of its runs together: leave out --only and "
+                          "--others")
+        if form != "full":
+            launch.refuse("--only and --others are for the full form")
+        for prefix in self.prefixes:
+            if not any(run.name.startswith(prefix) for run in runs):
+                launch.refuse(f'no run has a name that begins with "{prefix}"; the runs are: '
+                              f'{", ".join(run.name for run in runs)}')
         try:
-            numbers = Numbers.read(self.others / "numbers.csv")
-            lines = Lines.read(self.others / "lines.csv")
+            self.kept = (Numbers.read(self.others / "numbers.csv"),
+                         Lines.read(self.others / "lines.csv"))
         except OSError as error:
             launch.refuse(f"{error.filename}: {error.strerror}")
+        except (KeyError, ValueError) as error:
+            launch.refuse(f"{self.others}: numbers.csv and lines.csv cannot be read "
+                          f"({type(error).__name__}: {error})")
+
+    def runs(self, runs, needed):
+        """Those of the runs that take place; `needed`: names of earlier ones that a run needs."""
+        names = {run.name for run in runs if run.name.startswith(self.prefixes)}
+        for run in reversed(runs):
+            if run.name in names:
+                names |= set(needed(run))
+        return [run for run in runs if run.name in names]
+
+    def begin(self, about, runs):
+        """Numbers and lines without those of these runs, which are measured again."""
+        if self.others is None:
+            return Numbers(about), Lines()
+        numbers, lines = self.kept
+        names = {run.name for run in runs}
         for kept, name in ((numbers, 0), (lines, 1)):
-            kept.rows = {key: row for key, row in kept.rows.items()
-                         if not key[name].startswith(self.prefixes)}
-        numbers.about |= {f"{VERSION_OF}{prefix}": about["version"] for prefix in self.prefixes}
+            kept.rows = {key: row for key, row in kept.rows.items() if key[name] not in names
+                         and not key[name].startswith(self.prefixes)}
+        more = (run.name for run in runs if not run.name.startswith(self.prefixes))
+        numbers.about |= {f"{VERSION_OF}{name}": about["version"]
+                          for name in (*(f"{prefix}*" for prefix in self.prefixes), *more)}
         return numbers, lines
 
 
 def repeat(program, name, form, folder, selection):
     """Runs a study and writes numbers, figures and document; the targets with a wrong sign."""
     study, version = study_of(name), version_of(program)
-    if selection.others and not hasattr(study, "measure_runs"):
-        launch.refuse(f"{name} measures all of its runs together: leave out --only and --others")
     ranks = launch.requested_ranks()
+    runs = study.runs(form, ranks)
+    selection.check(study, form, runs)
     launch.make_folder(folder)
     if not os.access(folder, os.W_OK):
         launch.refuse(f"{folder}: permission denied")
     if hasattr(study, "prepare"):
         study.prepare(program, folder)
-    runs = study.runs(form, ranks)
     key = Key(program, runs, folder)
-    runs = selection.runs(runs, key)
+    beside = getattr(study, "beside", lambda run: ())
+    runs = selection.runs(runs, lambda run: [*key.before(run), *beside(run)])
     launch.together([(run.name, key.before(run), run.ranks,
                       functools.partial(do, program, key, run, folder)) for run in runs], ranks)
     numbers, lines = selection.begin({"version": version, "machine": machine(),
-                                      "command": f"jobs/study.sh {name} {form}"})
+                                      "command": f"jobs/study.sh {name} {form}"}, runs)
     numbers.lines = lines
     try:
         if selection.others:
-            study.measure_runs(selection.chosen(runs), folder, numbers, lines)
+            study.measure_runs(runs, folder, numbers, lines)
         else:
             study.measure(form, folder, numbers, lines)
         derive(name, numbers)

@@ -18,10 +18,10 @@ import scipy.signal
 import launch
 
 from . import rocks
-from .demfem_model import (AREA, BENCHMARK, BLOCKS, COARSER, CORNERS, ELEMENTS, FORCES, GROUND, HARD,
-                           HEIGHT, LAST_OF_REST, LAYER, MIDDLE,
-                           PARTS, PEAK, PERIOD, RAIL, ROCKS, SETTLED, SHAPES, SIZE, SLEEPER, SOFT,
-                           TRACK, WIDTHS, runs)
+from .demfem_model import (AREA, BENCHMARK, BLOCKS, CELL, COARSER, CORNERS, ELEMENTS, FORCES,
+                           GROUND, HARD, HEIGHT, LAST_OF_REST, LAYER, LEFT, MIDDLE, PARTS, PEAK,
+                           PERIOD, RAIL, ROCKS, SETTLED, SHAPES, SIZE, SLEEPER, SOFT, TRACK, WIDTHS,
+                           runs)
 from .demfem_lines import derive
 from .demfem_targets import predicted, targets
 from .study import summary
@@ -70,12 +70,16 @@ def measure(form, folder, numbers, lines):
 def measure_runs(chosen, folder, numbers, lines):
     for run in chosen:
         place = folder / run.name
-        if run.deck == SLEEPER:
+        if run.name.startswith("long"):
+            measure_long(run.name, place, numbers, lines)
+        elif run.deck == SLEEPER:
             measure_bed(run.name, place, numbers, lines)
         elif run.deck == TRACK:
             measure_track(run.name, place, numbers, lines)
         elif run.deck == GROUND:
             measure_ground(run.name, place, numbers, lines)
+        elif run.deck == CELL:
+            numbers.put(run.name, LEFT, load_left(place), "kPa")
         elif run.name.startswith("cost"):
             measure_cost(run.name, place, numbers)
         numbers.put(run.name, "wall_time", float(summary(place, "wall_time_s")), "s")
@@ -125,6 +129,7 @@ def measure_bed(name, place, numbers, lines):
         numbers.put(name, f"settlement, cycle {k + 1}", settled[inside][-1], "mm")
     ends = [settled[(time >= k * PERIOD) & (time <= (k + 1) * PERIOD)][-1] for k in range(cycles)]
     numbers.put(name, SETTLED, ends[-1] - ends[0], "mm")
+    numbers.put(name, LEFT, load_left(place), "kPa")
     numbers.put(name, "largest stress", 1e-3 * stress.max(), "kPa")
     numbers.put(name, "least stress", 1e-3 * stress.min(), "kPa")
     for what in ("porosity", "coordination"):
@@ -146,6 +151,31 @@ def measure_bed(name, place, numbers, lines):
     lines.put("forces", name, np.sqrt(edges[1:] * edges[:-1]), 100 * count / len(forces))
     lines.put("settlement", name, time[::4], settled[::4])
     lines.put("loop", name, 1e3 * down[::2, 0] / height[0], 1e-3 * stress[::2, 0])
+
+
+def measure_long(name, place, numbers, lines):
+    """Settlements at the ends of the cycles in mm, stiffness in the last one in MPa."""
+    run = read.results(place)
+    time, z = run.time - run.time[0], run.sleeper["displacement"].values
+    cycles, down = run.deck["stage"][-1]["cycles"], z[0] - z
+    ends = [int(np.flatnonzero(time <= (k + 1) * PERIOD * (1 + 1e-9))[-1]) for k in range(cycles)]
+    settled = 1e3 * down.mean(axis=1)[ends]
+    lines.put("settlement over cycles", name, np.arange(1, cycles + 1), settled)
+    numbers.put(name, SETTLED, settled[-1] - settled[0], "mm")
+    numbers.put(name, "settlement in the last ten cycles", settled[-1] - settled[-11], "mm")
+    stress = run.sleeper["reaction"].values / AREA
+    numbers.put(name, "stiffness, last cycle", 1e-6 * np.mean(
+        [slopes(stress[:, k], down[:, k] / (HEIGHT + z[0, k]), time, cycles)[-1]
+         for k in range(down.shape[1])]), "MPa")
+
+
+def load_left(place):
+    """kPa, below the platen in the last row of the stage of release."""
+    run = read.results(place)
+    names = [stage["name"] for stage in run.deck["stage"]]
+    rows = np.flatnonzero(run.stage == names.index("release"))
+    force = read.datasets(place)["history/platen/force"].values[rows, 2]
+    return 1e-3 * force[-1] / (np.ptp(run.deck["bed"]["x"]) * np.ptp(run.deck["bed"]["y"]))
 
 
 def contact_forces(place):

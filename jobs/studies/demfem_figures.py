@@ -6,8 +6,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 from .demfem_model import (GROUND_DECK, GROUND_RUN, GROUNDS, HARD, MIDDLE, NAMES,  # noqa: E402
-                           PACKINGS, PERIOD, RAIL, SHAPES, SOFT, TITLES, arrival, ground_run)
-from .demfem_targets import mean, of  # noqa: E402
+                           PACKINGS, PERIOD, RAIL, RAMP, SHAPES, SOFT, TITLES, ground_run)
+from .demfem_targets import mean, tracked  # noqa: E402
 from .study import COLOURS, save  # noqa: E402
 
 STYLES = {"convex": {"color": COLOURS[1]}, "non_convex": {"color": COLOURS[0]}}
@@ -52,7 +52,7 @@ def draw_ground(lines, folder):
 
 
 def draw_track(n, lines, folder):
-    if not of(n, "convex", "simulated", "track"):
+    if not tracked(n):
         return
     figure, panels = plt.subplots(3, 2, figsize=(11, 10), layout="constrained")
     end = mean(n, "convex", "simulated", "track")
@@ -60,9 +60,9 @@ def draw_track(n, lines, folder):
               f"sleepers, mean of {end - PERIOD:.2f} to {end:.2f} s,\nmm down"),
              *((f"track_rail_{place}", "time, s", f"rail at x = {x:g} m ({place}),\nmm down")
                for place, x in RAIL.items()),
-             ("track_tension", "x, m", "largest tension in the ground\nof the whole run, MPa"),
+             ("track_tension", "x, m", "largest tension in the ground,\nwith the weight, MPa"),
              ("track_compression", "x, m",
-              "largest compression in the ground\nof the whole run, MPa"))
+              "largest compression in the ground,\nwith the weight, MPa"))
     for panel, (name, x_label, y_label) in zip(panels.flat, shown):
         for shape in SHAPES:
             band(panel, shape, [curve for run, curve in lines.of(name).items()
@@ -70,9 +70,8 @@ def draw_track(n, lines, folder):
         panel.set(xlabel=x_label, ylabel=y_label)
         panel.grid(alpha=0.3)
         if x_label == "time, s":
-            first = arrival(RAIL[name.removeprefix("track_rail_")])
-            panel.axvspan(first, first + PERIOD, color="0.9", zorder=0,
-                          label="first axle spacing")
+            panel.axvspan(RAMP, RAMP + PERIOD, color="0.9", zorder=0,
+                          label="first axle spacing\nafter the ramp")
         panel.legend(fontsize=8)
     for panel in panels.flat[:4]:
         panel.invert_yaxis()

@@ -2,7 +2,7 @@
 import numpy as np
 import scipy.signal
 
-from .demfem_model import CYCLES, FORCES, PEAK, PERIOD, RAIL
+from .demfem_model import CYCLES, FORCES, PEAK, PERIOD, RAIL, RAMP
 
 LIMIT = 1.0  # kN, below which the study finds equal fractions of both shapes
 RAISED = {"rail": {place: f"track_rail_{place}" for place in RAIL},
@@ -68,13 +68,13 @@ def add_compression(numbers, run, x, compression):
 
 
 def add_growth(numbers, what, curves):
-    """Displacement, mean over places, mm: in the first axle spacing, in the last one and in the
-    last but one, and the growth to the last one."""
+    """Displacement, mean over places, mm: in the first axle spacing after the ramp, in the last one
+    and in the last but one, and the growth to the last one."""
     for run in curves[0]:
         first, before, last = [], [], []
         for curve in curves:
             time, down = map(np.array, curve[run])
-            for found, begin in ((first, 0), (before, time[-1] - 2 * PERIOD),
+            for found, begin in ((first, RAMP), (before, time[-1] - 2 * PERIOD),
                                  (last, time[-1] - PERIOD)):
                 found.append(down[(time > begin) & (time <= begin + PERIOD)].mean())
         numbers.put(run, f"{what}, displacement in the first axle spacing", np.mean(first), "mm")

@@ -13,6 +13,7 @@ PARTS = {"convex": 1, "non_convex": 3}  # convex pieces of a stone
 CORNERS = 12  # of a piece: 20 triangles
 PACKINGS = (1, 2, 3, 4, 5)  # seeds
 BARRED = (1, 2, 3)  # those with contacts as stiff as bars
+LONG, LONG_CYCLES = (1,), 50  # those with as many cycles as the study, after the same placing
 TRACKS = (1, 2)  # those of the ten sleepers
 STAGES = {stage["name"]: stage for stage in DECK["stage"]}
 CYCLES = STAGES["cycles"]
@@ -55,6 +56,7 @@ BENCHMARK = {"stones": {"convex": 3.3e5, "non_convex": 3.4e5}, "elements": 3750,
              "stone_step": 1e-6, "element_step": 1e-5, "duration": 0.5,
              "minutes": {"convex": (303, 85, 122, 96), "non_convex": (495, 256, 144, 95)}}
 LAST_OF_REST = 0.01  # s, in which the motion of the rail is measured
+RAMP = next(stage["ramp"] for stage in TRACK_DECK["stage"] if stage["kind"] == "passage")  # s
 COARSER = 2  # size of the study's elements of the ground over that of the track's
 ELEMENTS, BLOCKS = "elements", f"blocks of {COARSER**3}"  # whose stresses are compared
 PEAK = 0.005  # MPa, least prominence of a peak of compression along the track
@@ -95,6 +97,11 @@ def runs(form, ranks):
         found += [Run(f"bars_{shape}_{packing}", SLEEPER, (
             f"bed.seed={packing}", *of_stones(shape), *BARS, "dem.safety=0.2", *FIELDS))
             for packing in BARRED for shape in reversed(SHAPES)]
+        found += [Run(f"long_{shape}_{packing}", SLEEPER, (
+            f"bed.seed={packing}", *of_stones(shape), f"stage.cycles.cycles={LONG_CYCLES}",
+            f"stage.cycles.duration={LONG_CYCLES * PERIOD:g}",
+            f"start='{{folder}}/bed_{shape}_{packing}/stage_sleepers.h5'"))
+            for packing in LONG for shape in reversed(SHAPES)]
         for shape in SHAPES:
             words = of_stones(shape)
             found += [Run(f"bedded_{shape}", SOLIDS, words, ranks),
@@ -111,9 +118,9 @@ def ground_run(name):
 LAST = f"cycle {CYCLES['cycles']}"
 NEXT_TO_LAST = f"cycle {CYCLES['cycles'] - 1}"
 SETTLED = "settlement after the first cycle"
+LEFT = "load left when the platen is removed"
 TWO_RATES, TEN_RATES = "two solid sleepers", "ten sleepers"  # models whose cost is measured
 GROUND_RUN = ground_run("as in the deck")
-WHEELED = {TRACK: TRACK_DECK, SOLIDS: deck_of(SOLIDS)}  # decks with wheels
 # Mass of the stones that decks leave out: those below the least sieve of the slice (middle of
 # category A) and, from its grading, those below the least sieve of the cell.
 WITHOUT = [0.13]
@@ -136,4 +143,3 @@ def edge_near(x):
 def at_edge(x):
     """Whether an edge of a loaded area is in the column of elements whose middle is x, m."""
     return abs(edge_near(x) - x) <= COLUMN / 2
-

@@ -3,12 +3,12 @@ examined and not repeated."""
 import numpy as np
 
 from .demfem_model import (BENCHMARK, BLOCKS, COARSER, CORES, CYCLES, ELEMENTS, GROUND_RUN, GROUNDS,
-                           LAST_OF_REST, NAMES, PACKINGS, PARTS,
-                           PERIOD, RAIL, SETTLED, SHAPES, TEN_RATES, TITLES, TRACK_DECK, TRACKS,
-                           TWO_RATES, arrival, at_edge, edge_near, ground_run, stage_of)
+                           LAST_OF_REST, NAMES, PACKINGS, PARTS, PERIOD, RAIL,
+                           RAMP, SETTLED, SHAPES, TEN_RATES, TITLES, TRACK_DECK, TRACKS, TWO_RATES,
+                           at_edge, edge_near, ground_run, stage_of)
 from .demfem_targets import (ALONE, CLOSE, COST, LOWEST, SLOWER, STRESSES, SURE, TEN, UNEXAMINED,
                              besides, fisher, mean, of, of_both, part, predicted, predicted_total,
-                             rate, scatter, slower)
+                             rate, scatter, slower, tracked)
 from .study import between, heading, listed, of_packings, span, table
 
 PHASES = {  # fraction of the run time: name, what it contains here, what the study calls so
@@ -23,8 +23,8 @@ PHASES = {  # fraction of the run time: name, what it contains here, what the st
 
 
 def part_track(n):
-    if not of(n, "convex", "simulated", "track"):
-        return ""
+    if not tracked(n):
+        return untracked(n)
     rows = []
     for title, quantity in (
             ("penetration of the sleepers while they are placed, mm", "sinkage before the wheels"),
@@ -55,13 +55,25 @@ def part_track(n):
     return heading(TEN) + text_track(n) + table(["", *TITLES.values()], rows)
 
 
+def untracked(n):
+    """If there are only times of ten sleepers."""
+    if not of(n, "convex", "simulated", "track"):
+        return ""
+    return heading(TEN) + """
+`inputs/demfem/track.toml` has half of the study's track: ten half sleepers and a rail as solids on
+6 m of stones on the ground of rising stiffness. Results of an earlier version are withdrawn: the
+platen was removed from its cells of ballast while it still bore a large part of its load, which
+threw the stones up, and wheels passed before the sleepers were at rest. The deck is mended and not
+run again, so that no target on ten sleepers is judged here. Times of ten sleepers in "Cost" are
+those of the earlier version.
+"""
+
+
 def text_track(n):
     run, count = f"track_convex_{TRACKS[0]}", len(of(n, "convex", "simulated", "track"))
-    placing, wheels = (stage_of(TRACK_DECK, kind) for kind in ("sleepers", "passage"))
-    rise, motion = (between(of_both(n, f"rail, {what}", "track"), ".2g")
-                    for what in ("rise in the rest", "motion at the end of the rest"))
-    rest = stage_of(TRACK_DECK, "run")
-    whole = arrival(TRACK_DECK["ground"]["x"][1])
+    placing, rest, wheels = (stage_of(TRACK_DECK, kind) for kind in ("sleepers", "run", "passage"))
+    rises, motions = (of_both(n, f"rail, {what}", "track")
+                      for what in ("rise in the rest", "motion at the end of the rest"))
     return f"""
 ![Displacement of sleepers and rail, largest stresses in the ground](track.png)
 
@@ -70,20 +82,19 @@ Curves are means over {count} packings, bands reach from the least to the most o
 Half of the study's track (`inputs/demfem/track.toml`): ten half sleepers and a rail as solids on
 6 m of stones, {n(run, "stones"):.0f} of the convex ones, copied from a cell of 1 m
 (`inputs/demfem/cell.toml`), on a ground of {n(run, "elements"):.0f} elements whose modulus rises
-from 80 MPa to 30 GPa around x = 3 m. Wheels of 125 kN, 1.6 m apart, roll in from x = 0 at 10 m/s
-for {n(run, "simulated"):.2f} s, {n(run, "simulated") / PERIOD:.0f} axle spacings; after
-{whole:.2f} s they are on the whole rail. In the study they are there from t = 0, for 8 s. Stones
-are of 40 to 63 mm, with the contact law of the slice.
+from 80 MPa to 30 GPa around x = 3 m. Wheels of 125 kN, 1.6 m apart, stand on the whole rail, as in
+the study, take up their load in a ramp of {RAMP:g} s and pass at 10 m/s for
+{n(run, "simulated"):.2f} s, {n(run, "simulated") / PERIOD:.0f} axle spacings. In the study they act
+at once and for 8 s. Stones are of 40 to 63 mm, with the contact law of the slice.
 
 The sleepers are placed within {placing["duration"]:g} s, with {1e-3 * placing["seat_force"]:g} kN
-on each. Then they rest for {rest["duration"]:g} s on the moving ground, with
-{1e-3 * rest["seat_force"]:g} kN, which remain under the wheels. In the rest the rail rises by up to
-{rise} mm; in its last {1e3 * LAST_OF_REST:.0f} ms it moves by at most {motion} mm.
+on each. Then they rest for {rest["duration"]:g} s on the moving ground; under the wheels
+{1e-3 * wheels["seat_force"]:g} kN remain. In the rest the rail moves up by {max(rises):.2g} mm at
+most; in its last {1e3 * LAST_OF_REST:.0f} ms it moves by {max(motions):.2g} mm at most.
 
-Displacements count from the start of the wheels. The first axle spacing ({PERIOD:g} s) at a place
-is that which the first wheel begins there, the last one ends with the run. Unless it is named, the
-last one is meant. Growth is the difference of the means over both; growth in the last axle spacing
-is that from the last but one.
+Displacements count from the start of the wheels. They are means over the last axle spacing
+({PERIOD:g} s) unless the first one after the ramp is named. Growth is the difference of both;
+growth in the last axle spacing is that from the last but one.
 
 {of_packings(count).capitalize()}:
 
@@ -91,11 +102,11 @@ is that from the last but one.
 
 
 def part_stresses(n):
-    if not of(n, "convex", "simulated", "track"):
+    if not tracked(n):
         return ""
     rows = []
     for what in ("tension", "compression"):
-        for title, quantity in (("of the whole run, with the weight", what),
+        for title, quantity in (("with the weight", what),
                                 ("by the wheels alone", f"{what} by the wheels, {ELEMENTS}"),
                                 (f"by the wheels alone, means of blocks of {COARSER**3} elements",
                                  f"{what} by the wheels, {BLOCKS}")):
@@ -109,8 +120,8 @@ def part_stresses(n):
 The study does not state whether its stresses contain the weight, and its elements measure
 {COARSER * size:g} m, ours {size:g} m. So stresses due to the wheels alone, since the end of the
 rest, were computed at every {1e3 * PERIOD / 8:.0f} ms, in elements and as means of the stress in
-blocks of the size of the study's elements. Stresses of the whole run are the largest of all
-windows, those of the wheels of these instants.
+blocks of the size of the study's elements. Stresses with the weight are the largest of the stage of
+wheels, at every {1e3 * TRACK_DECK["output"]["history_interval"]:g} ms.
 
 {table(["", *heads], rows)}
 """
@@ -150,8 +161,8 @@ The value of the tension rests on assumptions: elements of 0.1 instead of 0.2 m,
 has, multiply it by {reference / coarse:.2f}, rollers instead of free ends by
 {reference / free:.2f}, and a rise of the modulus over 0.25 instead of 1 m by
 {widths[0] / widths[1]:.1f}. With elements of 0.2 m and free ends, as in the study, the tension is
-{n(ground_run("elements of 0.2 m, free ends"), "tension, largest"):.3f} MPa. As the curve of the modulus
-is assumed, agreement with 0.1 MPa is no confirmation.
+{n(ground_run("elements of 0.2 m, free ends"), "tension, largest"):.3f} MPa. As the curve of the
+modulus is assumed, agreement with 0.1 MPa is no confirmation.
 
 {table(["", "largest tension, MPa", "x of it, m", "largest tension within 1 m of the ends, MPa",
         "compression, mean up to 1.2 m, MPa", "compression, mean from 4.8 m, MPa",
@@ -307,43 +318,49 @@ def advantage(n):
 def part_unexamined(n):
     if not n.has("cost_convex"):
         return heading(UNEXAMINED) + "\nThe short form has no experiments on stones.\n"
-    levels = [mean(n, shape, SETTLED) for shape in SHAPES]
     wider = scatter(n, "non_convex", SETTLED) / scatter(n, "convex", SETTLED)
     limit = fisher(len(PACKINGS))
     undecided = ": this decides nothing" if 1 / limit < wider < limit else ""
     return heading(UNEXAMINED) + f"""
 Where these targets are not reproduced, no run of this study examines why:
 
-- Settlement of two sleepers and its scatter: after the first cycle, {CYCLES["cycles"] - 1} cycles
-  settle the sleepers by {between(levels, ".2f")} mm, and the published
-  difference is that of 50 cycles. More cycles and more packings were not run. The ratio of
-  scatters is {wider:.1f}. With {len(PACKINGS)} packings of each shape, equal scatters give a ratio
-  above {limit:.1f} in {50 * (1 - SURE):.1f} % of all cases{undecided}.
-- Rail and sleepers of the track: more axles and packings are needed. The scatter of
-  {scatter(n, "non_convex", LOWEST, "track") / scatter(n, "convex", LOWEST, "track"):.1f} times that
-  of convex stones is from {len(TRACKS)} packings, with which equal scatters give a ratio above
-  {fisher(len(TRACKS)):.0f} in {50 * (1 - SURE):.1f} % of all cases.
-- Levels of the rail at its ends and in the middle: the places of the study's three positions are a
-  figure. Here {passed("soft end")} axles have passed the soft end, {passed("stiff end")} the stiff
-  end.
-- Contact forces: the study does not define its total force on a stone. Smaller rounding of edges
-  and small stones, which would raise forces on single stones, were not tried.
+{too_few_cycles(n)}- Scatter of the settlement of two sleepers: the ratio is {wider:.1f}. With
+  {len(PACKINGS)} packings of each shape, equal scatters give a ratio above {limit:.1f} in
+  {50 * (1 - SURE):.1f} % of all cases{undecided}.
+{unexamined_track(n)}- Contact forces: the study does not define its total force on a
+  stone. Smaller rounding of edges and small stones, which would raise forces on single stones, were
+  not tried.
 - Time of a non-convex stone: the times of the search and of the contacts are not stored, so the
   reason for the ratio is not known.
 """
 
 
-def passed(place):
-    """How many wheels pass this place."""
-    end = next(stage["duration"] for stage in TRACK_DECK["stage"] if stage["kind"] == "passage")
-    front = TRACK_DECK["load"]["start"] + TRACK_DECK["load"]["speed"] * end
-    return sum(front - axle > RAIL[place] for axle in TRACK_DECK["load"]["axles"])
+def too_few_cycles(n):
+    if of(n, "convex", SETTLED, "long"):
+        return ""
+    levels = [mean(n, shape, SETTLED) for shape in SHAPES]
+    return f"""- Settlement of two sleepers: after the first cycle, {CYCLES["cycles"] - 1} cycles
+  settle the sleepers by {between(levels, ".2f")} mm, and the published difference is that of 50
+  cycles.
+  More cycles and more packings were not run.
+"""
+
+
+def unexamined_track(n):
+    if not tracked(n):
+        return ""
+    wider = scatter(n, "non_convex", LOWEST, "track") / scatter(n, "convex", LOWEST, "track")
+    return f"""- Rail and sleepers of the track: more axles and packings are needed. The scatter of
+  {wider:.1f} times that of convex stones is from {len(TRACKS)} packings, with which equal scatters
+  give a ratio above {fisher(len(TRACKS)):.0f} in {50 * (1 - SURE):.1f} % of all cases.
+- Levels of the rail at its ends and in the middle: the places of the study's three positions are a
+  figure.
+"""
 
 
 def part_missing():
     return heading("Not repeated") + """
-- 8 s of wheels, 50 cycles, on ten sleepers, and three packings of them; wheels on the whole rail
-  from the start.
+- 8 s of wheels, 50 cycles, on ten sleepers, and three packings of them.
 - The six scanned rocks, and the small stones: from 22.4 to 31.5 mm below two sleepers, to 40 mm
   below ten.
 - The shoulder of the ballast and the ballast beyond the sleepers.

@@ -176,6 +176,11 @@ MEASURES = {
         *EMBANKMENT, *FINE, zones(behind(0, 12, "sleeper=3"))),
     "twice as wide sleepers, 12 m": (
         *EMBANKMENT, *FINE, zones(behind(0, 12, WIDE))),
+    # From sleeper to sleeper. Footprints of 0.59 m would overlap; the last one is behind its zone.
+    "sleepers every 0.5 m, 12 m": (
+        *EMBANKMENT, *FINE, zones(behind(0.3, 12.3, "spacing=0.5,footprint=0.847"),
+                                  behind(12.3, 12.8, "footprint=0.847")),
+        f"footing.count={DECK['footing']['count'] + 4}"),
 }
 # What the report leaves open, on the displacements 41 m from the bridge: words in space.
 OPEN = {
@@ -300,26 +305,42 @@ def runs(form, ranks):
 
 
 def measure(form, folder, numbers, lines):
-    """Numbers and curves of all runs, and of the histograms of two runs each."""
+    measure_runs(runs(form, 1), folder, numbers, lines)
+
+
+def derive(numbers):
+    """How much of a record is in other bins of the histogram, of two runs each."""
+    for point in (NEAR, FAR):
+        for title, (one, other) in COMPARED.items():
+            numbers.put(title, f"record in other bins, {point}",
+                        moved(numbers.lines, f"histogram, {point}", one, other), "%")
+        numbers.put(UNLOADED, f"record in other bins, {point}",
+                    moved(numbers.lines, f"histogram from the unloaded ground, {point}",
+                          "plane_same_width_fill_1", "plane_same_width_fill_2"), "%")
+
+
+def springs_of(run):
+    """Name of the run with springs instead of the stones of this one."""
+    return "plane_same_width" + ("_1" if "layers" in run.name else "_fill_1")
+
+
+def beside(run):
+    """Names of runs that are measured together with this one."""
+    return (springs_of(run),) if run.deck == STONES else ()
+
+
+def measure_runs(chosen, folder, numbers, lines):
     cases = {f"plane_{as_file(f'{name}_{m}')}" for name in GEOMETRIES for m in MASSES}
     alone = {f"plane_{as_file(f'same_width_fill_{m}')}": m for m in MASSES}
-    for run in runs(form, 1):
+    for run in chosen:
         if run.deck == STONES:
-            springs = "plane_same_width" + ("_1" if "layers" in run.name else "_fill_1")
-            measure_stones(run.name, springs, folder, numbers, lines)
+            measure_stones(run.name, springs_of(run), folder, numbers, lines)
         elif run.deck in (SPACE, PLANE):
             figures = {figure for figure, names in (("envelope", DRAWN), ("histogram", cases),
                                                     ("history", OVER_TIME)) if run.name in names}
             measure_ground(run.name, folder / run.name, numbers, lines, figures,
                            alone.get(run.name))
         numbers.put(run.name, "wall_time", float(summary(folder / run.name, "wall_time_s")), "s")
-    for point in (NEAR, FAR):
-        for title, (one, other) in COMPARED.items():
-            numbers.put(title, f"record in other bins, {point}",
-                        moved(lines, f"histogram, {point}", one, other), "%")
-        numbers.put(UNLOADED, f"record in other bins, {point}",
-                    moved(lines, f"histogram from the unloaded ground, {point}",
-                          "plane_same_width_fill_1", "plane_same_width_fill_2"), "%")
 
 
 ABOUT = 0.15  # relative, of values that the report gives as "about" and shows as curves

@@ -309,7 +309,8 @@ tracks with reinforced layers and with fill only, see "Effect of the reinforced 
 The rank depends on the values, which are chosen here: slab of 5 x 0.25 m with 30 GPa; soft
 fastenings 0.4 and stiff ones 3 times the pads; ballast fully and partly glued 4 and 2 times as
 stiff (a spring, not bonds); auxiliary rails double rail stiffness and mass; under-sleeper pads 60
-MN/m. Soft fastenings and under-sleeper pads on the bridge lower the rail there.
+MN/m; closer sleepers on the same pads and springs each, with footprints of 0.5 m. Soft fastenings
+and under-sleeper pads on the bridge lower the rail there.
 """
 
 
@@ -361,7 +362,7 @@ Refinement, in space:
 def part_missing():
     return heading("Not done") + """
 Stones with other sleepers; yielding of the embankment; the report's
-three-dimensional model of one wheel; sleepers whose spacing changes along the track.
+three-dimensional model of one wheel.
 """
 
 

@@ -27,7 +27,9 @@ def check(source, name, folder):
     stored = {path.name for path in kept.glob("*.png")}
     if not shown == drawn == stored:
         raise SystemExit(f"{name}: shown {shown}, drawn {drawn}, stored {stored}")
-    if not re.search(r"\(trackbed\s\S+,\scommit\s[0-9a-f]{7,}\)", text):
+    version = re.search(r"\((trackbed\s[^()]*)\)", text)
+    commits = re.findall(r"commit\s([^;\s]+)", version[1]) if version else []
+    if not commits or not all(re.fullmatch("[0-9a-f]{7,}", commit) for commit in commits):
         raise SystemExit(f"{name}: no version of an unchanged commit in {text[:2000]}")
 
 
