@@ -64,8 +64,12 @@ def untracked(n):
 6 m of stones on the ground of rising stiffness. Results of an earlier version are withdrawn: the
 platen was removed from its cells of ballast while it still bore a large part of its load, which
 threw the stones up, and wheels passed before the sleepers were at rest. The deck is mended and not
-run again, so that no target on ten sleepers is judged here. Times of ten sleepers in "Cost" are
-those of the earlier version.
+run again, so that no target on ten sleepers is judged here. Published are: with non-convex stones
+the lowest sleeper is displaced by 5 mm less and the rail by 7 to 9 mm less after 8 s, from a
+similar start and with less scatter; the rail is 2.5 mm lower at its ends than in the middle; the
+largest tension in the ground below stones is 0.1 MPa at 3 m, stresses are similar for both shapes,
+and the compression increases where the stiffness does. Times of ten sleepers in "Cost" are those of
+the earlier version.
 """
 
 
