@@ -297,7 +297,7 @@ def main():
     parser.add_argument("--others", metavar="PLACE", type=pathlib.Path,
                         help="folder with numbers.csv and lines.csv of all runs")
     parser.add_argument("--only", metavar="PREFIX", nargs="+",
-                        help="of the runs that are repeated; the others keep their numbers")
+                        help="begin of the names of runs to repeat; the others keep their numbers")
     given = parser.parse_args()
     if bool(given.only) != bool(given.others):
         parser.error("--only and --others belong together")

@@ -194,7 +194,7 @@ def thrown_up(n):
 
 
 def bars_released(n):
-    """If the beds with bars are of runs with a shorter release, why this does not matter."""
+    """If the beds with bars are of runs with a shorter release, by how much they rebound."""
     if (f"bars_convex_{BARRED[0]}", LEFT) in n.rows:
         return ""
     rebound = (1e3 * DECK["bed"]["height"] * DECK["platen"]["pressure"]

@@ -180,54 +180,6 @@ def test_verdicts_on_shapes_follow_from_the_numbers():
         "it lies above the published"))
 
 
-def with_tracks(numbers, first, grown):
-    """Numbers of ten sleepers on both shapes: the rail is displaced on convex stones by 10 mm, on
-    non-convex ones by `first` mm less in the first axle spacing, and by `grown` mm less later."""
-    period, ramp = demfem_model.PERIOD, demfem_model.RAMP
-    time, x = np.arange(2e-3, 4 * period, 4e-3), np.arange(0.05, 6, 0.1)
-    for shape in demfem_model.SHAPES:
-        for packing in demfem_model.TRACKS:
-            run, other = f"track_{shape}_{packing}", 0.01 * packing
-            less, later = (first, grown) if shape == "non_convex" else (0, 0)
-            down = 10 - less - other - (later - 1) * (time > ramp + period)
-            for figure in (*(f"track_rail_{place}" for place in demfem_model.RAIL),
-                           "track_lowest"):
-                numbers.lines.put(figure, run, time, down)
-            for figure in ("track_tension", "track_compression"):
-                numbers.lines.put(figure, run, x, 0.1 + 0.05 * np.sin(2 * np.pi * x / 0.6))
-            numbers.lines.put("track_sleepers", run, x[::6], 10 + 0 * x[::6])
-            for quantity in ("rail, rise in the rest", "rail, motion at the end of the rest",
-                             "sinkage before the wheels", "lowest position of a sleeper",
-                             "mean displacement of the sleepers"):
-                numbers.put(run, quantity, 1, "mm")
-            numbers.put(run, "mean displacement of the lowest sleeper", down[-1], "mm")
-            for place in demfem_model.RAIL:
-                for quantity in ("mean displacement", "lowest position"):
-                    numbers.put(run, f"rail, {place}, {quantity}", down[-1], "mm")
-            for what in ("tension", "compression"):
-                for how in (what, *(f"{what} by the wheels, {how}" for how in (
-                        demfem_model.ELEMENTS, demfem_model.BLOCKS))):
-                    numbers.put(run, f"{how}, largest", 0.2, "MPa")
-                    numbers.put(run, f"{how}, x of the largest", 3, "m")
-                for part in ("mean", "mean up to 1.2 m", "mean from 4.8 m"):
-                    numbers.put(run, f"{what}, {part}", 0.1, "MPa")
-
-
-@pytest.mark.parametrize("first, grown, verdict, published", [
-    (0.1, 2, "less", True), (2, 0.1, "less", False), (-0.1, -2, "more", True)])
-def test_verdicts_on_ten_sleepers_follow_from_the_numbers(first, grown, verdict, published):
-    folder = study.INPUTS.parent / "docs/studies/demfem"
-    numbers = Numbers.read(folder / "numbers.csv")
-    numbers.lines = Lines.read(folder / "lines.csv")
-    with_tracks(numbers, first, grown)
-    study.derive("demfem", numbers)
-    text = " ".join(study.document_of("demfem", numbers).split())
-    assert f"mm {verdict} (published: 7 to 9 mm less" in text and "nan" not in text
-    assert ("This is not the published observation" in text) != published
-    assert f"by {abs(first):.2f} mm {verdict} in the first axle spacing" in text
-    assert "withdrawn" not in text
-
-
 def test_verdicts_on_loads_follow_from_the_numbers():
     def outer(run, quantity, value):
         return value * (0.5 if quantity in ("settlement, sleeper 1", "settlement, sleeper 5")
@@ -347,84 +299,6 @@ def test_the_benchmark_is_predicted_from_rates():
     stones, ground = demfem.predicted(numbers, "convex", 16)
     assert stones == pytest.approx(3.3e5 * 5e5 / 1e6 / 16 / 60)
     assert ground == pytest.approx(3750 * 5e4 / 1e7 / 16 / 60)
-
-
-def test_growth_of_the_rail_begins_after_the_first_axle_spacing():
-    numbers = Numbers({})
-    period = demfem_model.PERIOD
-    time = np.arange(2e-3, 4 * period, 4e-3)
-    for place in demfem_model.RAIL:
-        down = (3.0 * (time > demfem_model.RAMP) + 2 * (time > 2 * period)
-                + 1.0 * (time > 3 * period))  # mm
-        numbers.lines.put(f"track_rail_{place}", "track_convex_1", time, down)
-    demfem.derive(numbers)
-    for what, value in (("displacement in the first axle spacing", 3), ("growth", 3),
-                        ("displacement in the last axle spacing", 6),
-                        ("growth in one axle spacing", 1)):
-        assert numbers("track_convex_1", f"rail, {what}") == pytest.approx(value, abs=0.05)
-
-
-def test_stresses_of_blocks_are_means_of_their_elements():
-    middle = np.array([(x, y, z) for x in (0.05, 0.15, 0.25, 0.35) for y in (0.05, 0.15)
-                       for z in (-0.15, -0.05)])
-    values = np.repeat([[1.0], [3.0], [10.0], [20.0]], 4, axis=0) * np.ones(6)
-    x, means = demfem.blocks(middle, values, 0.1)
-    assert np.allclose(x, (0.1, 0.3)) and np.allclose(means[:, 0], (2, 15))
-
-
-def stored(folder):
-    """Numbers and lines of two runs, in the files of a study."""
-    numbers = Numbers({"version": "trackbed 1, commit a", "machine": "m", "command": "c"})
-    for run, value in (("track_1", 1), ("bed_1", 2)):
-        numbers.put(run, "sunk", value, "mm")
-        numbers.lines.put("sinking", run, [0], [value])
-    (folder / "numbers.csv").write_text(numbers.text(), encoding="utf-8")
-    (folder / "lines.csv").write_text(numbers.lines.text(), encoding="utf-8")
-
-
-def chain():
-    """Runs of which the last starts from the second, and this from the first."""
-    return [Run("cell", "a.toml", ()), Run("bed_1", "b.toml", ("bed.cell='{folder}/cell'",)),
-            Run("other", "b.toml", ()),
-            Run("track_1", "c.toml", ("start='{folder}/bed_1/stage_fill.h5'",))]
-
-
-def test_some_runs_of_a_study_are_repeated_and_the_others_keep_their_numbers(tmp_path):
-    stored(tmp_path)
-    key = study.Key(__file__, chain(), tmp_path)
-    chosen = study.Selection(["track_", "oth"], tmp_path)
-    chosen.check(types.SimpleNamespace(measure_runs=None), "full", chain())
-    runs = chosen.runs(chain(), key.before)
-    assert [run.name for run in runs] == ["cell", "bed_1", "other", "track_1"]
-    kept, lines = chosen.begin({"version": "trackbed 1, commit b"}, runs[2:])
-    assert list(kept.rows) == [("bed_1", "sunk")]
-    assert list(lines.rows) == [("sinking", "bed_1")]
-    assert study.versions(kept.about) == (
-        "trackbed 1, commit a; runs `track_*`, `oth*`: trackbed 1, commit b")
-
-
-def test_runs_that_a_repeated_one_needs_are_measured_and_named(tmp_path):
-    stored(tmp_path)
-    chosen = study.Selection(["track_"], tmp_path)
-    chosen.check(types.SimpleNamespace(measure_runs=None), "full", chain())
-    runs = chosen.runs(chain(), study.Key(__file__, chain(), tmp_path).before)
-    kept, _ = chosen.begin({"version": "trackbed 1, commit b"}, runs)
-    assert not kept.rows
-    assert study.versions(kept.about).endswith(
-        "runs `track_*`, `cell`, `bed_1`: trackbed 1, commit b")
-
-
-@pytest.mark.parametrize("prefixes, form, place, words", [
-    (["trakc_"], "full", ".", 'no run has a name that begins with "trakc_"'),
-    (["track_"], "short", ".", "are for the full form"),
-    (["track_"], "full", "none", "No such file")])
-def test_what_cannot_be_repeated_is_refused_before_it_runs(tmp_path, capsys, prefixes, form, place,
-                                                           words):
-    stored(tmp_path)
-    with pytest.raises(SystemExit) as ended:
-        study.Selection(prefixes, tmp_path / place).check(
-            types.SimpleNamespace(measure_runs=None), form, chain())
-    assert ended.value.code == launch.BAD_INPUT and words in capsys.readouterr().err
 
 
 def test_a_difference_between_few_packings_must_exceed_more_standard_errors():
